@@ -1,0 +1,1 @@
+"""Contacts (points, inward normals, friction) to cones to wrenches."""

@@ -1,0 +1,1 @@
+"""Objects, human grasps, handover trials: files with provenance and schema, no algorithms."""

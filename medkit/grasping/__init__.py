@@ -1,0 +1,1 @@
+"""Surface, medial axis, grid, symmetry, candidates, closing, planners: one file a step."""

@@ -1,0 +1,1 @@
+"""Rating trials to scores to ordinal models to a release force."""

@@ -1,0 +1,1 @@
+"""Outlines, their exact medial axis, antipodal pairs, and the pymunk squeeze."""

@@ -1,0 +1,1 @@
+"""Wrench-space measures, planar and spatial: force closure, epsilon, volume, critical friction."""

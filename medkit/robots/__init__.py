@@ -1,0 +1,1 @@
+"""Hands as kinematic trees with geometry; the only importer of pinocchio and coal."""

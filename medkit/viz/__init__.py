@@ -1,0 +1,1 @@
+"""Figures: plot_* with matplotlib (takes ax=, returns Axes), show_* in 3-D."""
