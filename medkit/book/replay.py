@@ -20,7 +20,7 @@ Verdict = Literal[
 
 @dataclass(frozen=True)
 class Replay:
-    """One printed value or statement, ours, and the verdict; shown as a small table in a notebook."""
+    """One printed value or statement, ours, and the verdict; a small table in a notebook."""
 
     source: str
     quantity: str
