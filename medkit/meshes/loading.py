@@ -1,0 +1,114 @@
+"""From a file to a triangle mesh in metres."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+
+from medkit.errors import InputError
+from medkit.geometry import positive
+
+READABLE = (".stl", ".obj", ".off", ".ply", ".glb", ".gltf", ".3mf", ".dae")
+LARGEST_OBJECT = 3.0  # [m] longest edge that anybody plans a one-handed grasp for
+SMALLEST_OBJECT = 0.002  # [m]
+HAND_SIZED = 0.15  # [m] what a wrong unit is guessed against
+UNITS = {0.001: "millimetres", 0.01: "centimetres", 0.0254: "inches"}
+
+
+def load_mesh(path: str | os.PathLike[str], *, scale: float = 1.0) -> trimesh.Trimesh:
+    """Read a triangle mesh from a file, as it is, and scale it to metres.
+
+    Parameters
+    ----------
+    path : path-like
+        STL, OBJ, OFF, PLY, GLB, glTF, 3MF or DAE file. Several geometries in one file are joined.
+    scale : float
+        Metres per unit of the file [m], for example 0.001 for millimetres.
+
+    Returns
+    -------
+    trimesh.Trimesh
+        Vertices [m] and faces. Nothing is repaired yet: see `medkit.meshes.repair_mesh`.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, cannot be read as a mesh, holds no triangle, or holds a number
+        that is not finite, or if `scale` is not positive.
+    """
+    positive(scale, "scale")
+    file = Path(path)
+    if not file.exists():
+        raise InputError(f"Expected a mesh file, but {file} does not exist; check the path.")
+    if file.is_dir():
+        raise InputError(f"Expected a mesh file, but {file} is a folder; name one file in it.")
+    if file.suffix.lower() not in READABLE:
+        raise InputError(
+            f"Expected a mesh file ({', '.join(READABLE)}), but got {file.name};"
+            " convert it to one of these formats."
+        )
+    vertices, faces = _read(file)
+    if len(faces) == 0:
+        raise InputError(
+            f"Expected at least one triangle in {file.name}, but it holds none;"
+            " export the surface as triangles."
+        )
+    if not np.all(np.isfinite(vertices)):
+        bad = int(np.count_nonzero(~np.isfinite(vertices).all(axis=1)))
+        raise InputError(
+            f"Expected finite vertex coordinates in {file.name}, but {bad} of {len(vertices)}"
+            " vertices hold NaN or infinity; export the mesh again."
+        )
+    return trimesh.Trimesh(vertices * scale, faces, process=False)
+
+
+def refuse_wrong_scale(mesh: trimesh.Trimesh, *, scale: float = 1.0) -> None:
+    """Refuse an object that no hand could mean: it is in other units than metres.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh
+        The object [m].
+    scale : float
+        The scale that it was loaded with, so that the remedy can name a better one.
+
+    Raises
+    ------
+    InputError
+        If the longest edge of the bounding box is above 3 m or below 2 mm.
+    """
+    longest = float(np.ptp(mesh.vertices, axis=0).max())
+    if SMALLEST_OBJECT <= longest <= LARGEST_OBJECT:
+        return
+    raw = longest / scale
+    if longest > LARGEST_OBJECT:
+        factor, unit = min(UNITS.items(), key=lambda item: abs(np.log(raw * item[0] / HAND_SIZED)))
+        guess = f"--scale {factor:g} (the file looks like {unit})"
+        if not SMALLEST_OBJECT <= raw * factor <= LARGEST_OBJECT:
+            guess = f"--scale {HAND_SIZED / raw:.2g} for an object of {HAND_SIZED:g} m"
+    else:
+        guess = f"--scale {HAND_SIZED / raw:.2g} for an object of {HAND_SIZED:g} m"
+    raise InputError(
+        f"Expected an object between {SMALLEST_OBJECT:g} and {LARGEST_OBJECT:g} m, but its longest"
+        f" edge is {longest:.4g} m with scale {scale:g}; try {guess}."
+    )
+
+
+def _read(file: Path) -> tuple[Any, Any]:
+    try:
+        scene = trimesh.load_scene(file)
+        mesh = scene.to_mesh() if scene.geometry else None
+    except Exception as error:
+        # every reader of every format raises its own kinds; all mean the same to the user
+        reason = " ".join(str(error).split())[:80] or type(error).__name__
+        raise InputError(
+            f"Expected a triangle mesh in {file.name}, but it cannot be read as one ({reason});"
+            " check that the file is complete and its ending is right."
+        ) from error
+    if not isinstance(mesh, trimesh.Trimesh):
+        return np.zeros((0, 3)), np.zeros((0, 3), dtype=np.int64)
+    return np.asarray(mesh.vertices, dtype=float), np.asarray(mesh.faces, dtype=np.int64)
