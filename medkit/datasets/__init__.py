@@ -1,1 +1,8 @@
 """Objects, human grasps, handover trials: files with provenance and schema, no algorithms."""
+
+# Recordings of people grasping.
+from medkit.datasets.human_grasps import FINGERS as FINGERS
+from medkit.datasets.human_grasps import SENSORS as SENSORS
+from medkit.datasets.human_grasps import human_grasps_folder as human_grasps_folder
+from medkit.datasets.human_grasps import load_human_grasps as load_human_grasps
+from medkit.datasets.human_grasps import load_human_objects as load_human_objects
