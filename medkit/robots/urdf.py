@@ -1,0 +1,236 @@
+"""Links and joints of a URDF file, as parts of a hand."""
+
+from __future__ import annotations
+
+import os
+import xml.etree.ElementTree as ET
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from medkit.errors import InputError
+from medkit.geometry import Floats, transform, unit
+from medkit.robots.parts import Coupling, Joint, Link, Parts, rpy_matrix
+from medkit.robots.shapes import cylinder_points, rounded_box, sphere_points
+
+MOVING = {"revolute": "revolute", "continuous": "revolute", "prismatic": "prismatic"}
+
+
+def parts_from_urdf(
+    path: Path, package_dirs: Sequence[Path] = (), base: str | None = None
+) -> Parts:
+    """Read kinematics, couplings and convex bodies of a URDF.
+
+    Parameters
+    ----------
+    path : pathlib.Path
+        The URDF file.
+    package_dirs : sequence of pathlib.Path
+        Folders in which ``package://name/...`` is looked up, as ``folder/name/...``.
+    base : str, optional
+        Link to take as the hand's base; the root when left out. What is not below it is dropped.
+
+    Returns
+    -------
+    Parts
+        Links from base to tips. Bodies come from the collision elements of a link, else from its
+        visual ones; each becomes its convex hull.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, is not a URDF, or names a mesh that cannot be found.
+    """
+    root = _read_xml(path)
+    elements = {link.get("name", ""): link for link in root.findall("link")}
+    joints = root.findall("joint")
+    children = {_end(joint, "child", elements, path): joint for joint in joints}
+    roots = [name for name in elements if name not in children]
+    if base is not None and base not in elements:
+        raise InputError(
+            f"Expected the base link to be one of {', '.join(elements)} of {path.name}, but got"
+            f" {base!r}; name one of them."
+        )
+    if base is None and len(roots) != 1:
+        raise InputError(f"Expected one root link in {path.name}, but found {roots}; name a base.")
+    order = _below(base or roots[0], joints, len(elements), path)
+    links = tuple(
+        _link(elements[name], None if k == 0 else children[name], path, package_dirs)
+        for k, name in enumerate(order)
+    )
+    names = {link.joint.name for link in links if link.joint}
+    couplings = {
+        joint.get("name", ""): _coupling(joint)
+        for joint in joints
+        if joint.find("mimic") is not None and joint.get("name") in names
+    }
+    return Parts(links, couplings)
+
+
+def _read_xml(path: Path) -> ET.Element:
+    try:
+        root = ET.parse(path).getroot()
+    except OSError as error:
+        raise InputError(
+            f"Expected a URDF at {path}, but reading failed ({error.strerror}); check the path."
+        ) from error
+    except ET.ParseError as error:
+        raise InputError(f"Expected XML in {path}, but parsing failed: {error}.") from error
+    if root.tag != "robot":
+        raise InputError(
+            f"Expected a URDF with a <robot> element in {path.name}, but got <{root.tag}>; a xacro"
+            " file has to be expanded first."
+        )
+    return root
+
+
+def _end(joint: ET.Element, tag: str, links: dict[str, ET.Element], path: Path) -> str:
+    element = joint.find(tag)
+    name = "" if element is None else element.get("link", "")
+    if name not in links:
+        raise InputError(
+            f"Expected the {tag} of joint {joint.get('name')!r} in {path.name} to be a link of the"
+            f" file, but got {name!r}; correct the URDF."
+        )
+    return name
+
+
+def _below(base: str, joints: list[ET.Element], count: int, path: Path) -> list[str]:
+    """List the links from `base` outwards, parents first."""
+    order = [base]
+    for parent in order:
+        for joint in joints:
+            ends = [joint.find(tag) for tag in ("parent", "child")]
+            if ends[0] is not None and ends[0].get("link") == parent and ends[1] is not None:
+                order.append(str(ends[1].get("link")))
+        if len(order) > count:
+            raise InputError(f"Expected a tree of links in {path.name}, but found a loop; cut it.")
+    return order
+
+
+def _link(
+    element: ET.Element, joint: ET.Element | None, path: Path, package_dirs: Sequence[Path]
+) -> Link:
+    shapes = element.findall("collision") or element.findall("visual")
+    bodies = tuple(_body(shape, path, package_dirs) for shape in shapes)
+    name = element.get("name", "")
+    if joint is None:
+        return Link(name, None, np.eye(4), None, bodies)
+    parent = joint.find("parent")
+    return Link(
+        name,
+        None if parent is None else parent.get("link"),
+        _origin(joint, path),
+        _joint(joint, path),
+        bodies,
+    )
+
+
+def _joint(element: ET.Element, path: Path) -> Joint | None:
+    kind = element.get("type", "")
+    name = element.get("name", "")
+    if kind == "fixed":
+        return None
+    if kind not in MOVING:
+        raise InputError(
+            f"Joint {name!r} in {path.name} is of type {kind!r}, which a hand cannot have here; use"
+            " revolute, prismatic or fixed."
+        )
+    axis = element.find("axis")
+    vector = np.array([1.0, 0.0, 0.0]) if axis is None else _numbers(axis, "xyz", "1 0 0", path)
+    limit = element.find("limit")
+    bounds = np.array([-np.pi, np.pi])
+    if kind != "continuous":
+        if limit is None:
+            raise InputError(f"Joint {name!r} in {path.name} has no <limit>; add one.")
+        bounds = np.array([float(limit.get("lower", "0")), float(limit.get("upper", "0"))])
+    return Joint(name, MOVING[kind], unit(vector), bounds)
+
+
+def _coupling(joint: ET.Element) -> Coupling:
+    mimic = joint.find("mimic")
+    assert mimic is not None
+    return Coupling(
+        mimic.get("joint", ""),
+        float(mimic.get("multiplier", "1")),
+        float(mimic.get("offset", "0")),
+    )
+
+
+def _origin(element: ET.Element, path: Path) -> Floats:
+    origin = element.find("origin")
+    if origin is None:
+        return np.eye(4)
+    turn = rpy_matrix(_numbers(origin, "rpy", "0 0 0", path))
+    return transform(turn, _numbers(origin, "xyz", "0 0 0", path))
+
+
+def _numbers(element: ET.Element, key: str, default: str, path: Path) -> Floats:
+    text = element.get(key, default)
+    try:
+        array = np.array([float(part) for part in text.split()])
+    except ValueError:
+        array = np.empty(0)
+    if array.shape != (3,):
+        raise InputError(
+            f"Expected three numbers for {key!r} of <{element.tag}> in {path.name}, but got"
+            f" {text!r}; correct the URDF."
+        )
+    return array
+
+
+def _body(shape: ET.Element, path: Path, package_dirs: Sequence[Path]) -> Floats:
+    geometry = shape.find("geometry")
+    kinds = [] if geometry is None else list(geometry)
+    if not kinds:
+        raise InputError(f"A <{shape.tag}> in {path.name} has no geometry; add it or remove it.")
+    element = kinds[0]
+    pose = _origin(shape, path)
+    points = _geometry_points(element, path, package_dirs)
+    return points @ pose[:3, :3].T + pose[:3, 3]
+
+
+def _geometry_points(element: ET.Element, path: Path, package_dirs: Sequence[Path]) -> Floats:
+    if element.tag == "box":
+        half = 0.5 * _numbers(element, "size", "", path)
+        return rounded_box(-half, half)
+    if element.tag == "sphere":
+        return sphere_points(np.zeros(3), float(element.get("radius", "0")))
+    if element.tag == "cylinder":
+        return cylinder_points(float(element.get("radius", "0")), float(element.get("length", "0")))
+    if element.tag == "mesh":
+        return _mesh_points(element, path, package_dirs)
+    raise InputError(
+        f"Unknown geometry <{element.tag}> in {path.name}; use box, cylinder, sphere or mesh."
+    )
+
+
+def _mesh_points(element: ET.Element, path: Path, package_dirs: Sequence[Path]) -> Floats:
+    import trimesh
+
+    name = element.get("filename", "")
+    file = resolve(name, path.parent, package_dirs)
+    mesh = trimesh.load(file, force="mesh")
+    vertices = np.asarray(mesh.vertices, dtype=float)
+    if len(vertices) < 4:
+        raise InputError(f"The mesh {name} of {path.name} holds no solid; replace it.")
+    return vertices * _numbers(element, "scale", "1 1 1", path)
+
+
+def resolve(name: str, folder: Path, package_dirs: Sequence[Path]) -> Path:
+    """Find the file that a URDF names, directly or as ``package://``."""
+    scheme, _, rest = name.rpartition("://")
+    if scheme == "package":
+        places = [*package_dirs, *map(Path, os.environ.get("ROS_PACKAGE_PATH", "").split(":"))]
+        candidates = [place / rest for place in places if str(place) != "."]
+    else:
+        candidates = [folder / rest]
+    for candidate in candidates:
+        if candidate.is_file():
+            return candidate
+    raise InputError(
+        f"Expected to find the mesh {name}, but looked at"
+        f" {', '.join(map(str, candidates)) or 'no folder'}; name the folder that holds the package"
+        " under package_dirs or with --package-dir."
+    )
