@@ -6,3 +6,9 @@ from medkit.datasets.human_grasps import SENSORS as SENSORS
 from medkit.datasets.human_grasps import human_grasps_folder as human_grasps_folder
 from medkit.datasets.human_grasps import load_human_grasps as load_human_grasps
 from medkit.datasets.human_grasps import load_human_objects as load_human_objects
+
+# Objects made by code, and the user's own folder of them.
+from medkit.datasets.objects import ObjectInfo as ObjectInfo
+from medkit.datasets.objects import load_object as load_object
+from medkit.datasets.objects import object_info as object_info
+from medkit.datasets.objects import object_names as object_names
