@@ -52,7 +52,7 @@ notebooks: $(READY)
 
 lock:
 	uv pip compile --quiet --universal --python-version 3.11 --no-header --no-emit-index-url \
-	  --no-emit-find-links --generate-hashes --extra cluster --extra recordings --extra test \
+	  --no-emit-find-links --generate-hashes --extra book --extra cluster --extra recordings --extra test \
 	  pyproject.toml -o requirements.lock
 
 clean:
