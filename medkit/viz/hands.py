@@ -1,0 +1,112 @@
+"""Pictures of hands: shaded convex bodies in three dimensions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from medkit.geometry import Floats, unit
+from medkit.robots import Hand
+from medkit.viz.style import BLUE, CYCLE, axes_or_new
+
+#: Direction from which the light falls, in the frame of the axes.
+LIGHT = unit([-0.5, -0.7, 1.0])
+PALM_COLOUR = "#9AA7B1"
+
+
+def plot_hand(
+    hand: Hand,
+    q: ArrayLike,
+    *,
+    ax: Any = None,
+    T_world_hand: Floats | None = None,
+    alpha: float = 1.0,
+    frame: bool = True,
+) -> Any:
+    """Draw a hand at one configuration.
+
+    Parameters
+    ----------
+    hand : Hand
+        The hand.
+    q : array-like, shape (nq,)
+        Joint coordinates [rad or m].
+    ax : Axes3D, optional
+        Axes to draw into; new ones when left out.
+    T_world_hand : ndarray, shape (4, 4), optional
+        Pose of the hand base in the frame of the axes [m]; the identity when left out.
+    alpha : float
+        Opacity [1].
+    frame : bool
+        Whether to set the limits of the axes to the hand and label them.
+
+    Returns
+    -------
+    Axes3D
+        The axes. Each finger has a colour of its own, the palm is grey.
+    """
+    axes = axes_or_new(ax, projection="3d")
+    pose = np.eye(4) if T_world_hand is None else T_world_hand
+    colours = finger_colours(hand)
+    corners = []
+    for name, mesh in hand.link_meshes(q).items():
+        mesh.apply_transform(pose)
+        add_mesh(axes, mesh.triangles, mesh.face_normals, colours.get(name, PALM_COLOUR), alpha)
+        corners.append(mesh.bounds)
+    if frame:
+        frame_axes(axes, np.vstack(corners))
+    return axes
+
+
+def finger_colours(hand: Hand) -> dict[str, str]:
+    """Colour of every link that a finger moves, by link name."""
+    colours = {}
+    for k, finger in enumerate(hand.fingers):
+        for link in np.unique(np.concatenate(finger.moved_links)):
+            colours[hand.link_names[link]] = CYCLE[k % len(CYCLE)]
+    return colours
+
+
+def add_mesh(axes: Any, triangles: Any, normals: Any, colour: str, alpha: float = 1.0) -> None:
+    """Add triangles (n, 3, 3) [m] with outward normals (n, 3), shaded flat, to 3-D axes."""
+    from matplotlib.colors import to_rgb
+    from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+
+    light = 0.55 + 0.45 * np.clip(np.asarray(normals) @ LIGHT, -0.4, 1.0)
+    faces = np.clip(np.outer(light, to_rgb(colour)), 0.0, 1.0)
+    rgba = np.column_stack([faces, np.full(len(faces), alpha)])
+    axes.add_collection3d(
+        Poly3DCollection(triangles, facecolors=rgba, edgecolors=rgba, linewidths=0.2)
+    )
+
+
+def frame_axes(axes: Any, points: Floats) -> None:
+    """Set equal limits around points (n, 3) [m], with labels."""
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    half = 0.5 * float(np.ptp(points, axis=0).max()) * 1.02
+    for letter, centre in zip("xyz", middle, strict=True):
+        getattr(axes, f"set_{letter}lim")(centre - half, centre + half)
+        getattr(axes, f"set_{letter}label")(f"{letter} [m]", labelpad=6)
+        getattr(axes, f"{letter}axis").set_major_locator(_ticks())
+    axes.set_box_aspect((1, 1, 1))
+    axes.tick_params(labelsize=7, pad=1)
+
+
+def _ticks() -> Any:
+    from matplotlib.ticker import MaxNLocator
+
+    return MaxNLocator(4)
+
+
+def plot_hand_directions(hand: Hand, *, ax: Any, length: float = 0.08) -> Any:
+    """Draw palm direction (solid) and closing axis (dashed) as arrows of `length` [m]."""
+    start = hand.T_hand_power[:3, 3]
+    for vector, style, label in (
+        (hand.palm_direction, "-", "palm direction"),
+        (hand.closing_axis, "--", "closing axis"),
+    ):
+        ax.quiver(*start, *(length * vector), color=BLUE, linestyle=style, label=label)
+    ax.plot(*start[:, None], "o", color=BLUE, label="grasp point")
+    return ax
