@@ -1,1 +1,343 @@
-"""Contacts (points, inward normals, friction) to cones to wrenches."""
+"""Contacts (points, inward normals, friction) to friction cones to wrenches.
+
+One contact with a unit normal force can push with every force of its friction cone. Written as a
+wrench divided into force and scaled torque, that set is an ellipse (a segment in the plane, an
+ellipsoid for a soft finger) around a centre::
+
+    w(z) = centre + axes^T z,   |z| <= 1
+
+The convention for linearised cones, which every quality number rests on, is the decision
+``docs/decisions/0020-cone-edges.md``: edge k of m is ``n + mu (cos(a) t1 + sin(a) t2)`` with
+``a = 2 pi k / m``, where ``t1`` is the part of the lever arm ``p - torque_origin`` at right angles
+to the normal, made a unit vector, and ``t2 = n x t1``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numba import njit
+from numpy.typing import ArrayLike
+
+from medkit.errors import InputError
+from medkit.geometry import Floats, points_array, positive
+
+ContactModel = Literal["point", "frictionless", "soft"]
+
+#: How far a normal's length may be from one [1].
+UNIT_TOLERANCE = 1e-6
+#: A lever arm closer than this to the normal's line gives no tangent direction [rad].
+TANGENT_TOLERANCE = 1e-6
+#: Radius of the patch with which a soft finger touches, unless the caller knows better [m].
+PATCH_RADIUS = 0.005
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """Where fingers touch, in which direction they push, and how rough it is there.
+
+    Parameters
+    ----------
+    points : array-like, shape (n, 3) or (n, 2)
+        Contact points, object frame [m].
+    normals : array-like, same shape
+        Inward unit normals: the directions in which the fingers push [1].
+    friction : float or array-like, shape (n,)
+        Coulomb coefficient, one for all or one per contact [1].
+
+    Raises
+    ------
+    InputError
+        For shapes that do not fit, numbers that are not finite, normals that are not of length
+        one (within 1e-6), and friction below zero.
+
+    Examples
+    --------
+    >>> pinch = Contacts([[-1.0, 0.0], [1.0, 0.0]], [[1.0, 0.0], [-1.0, 0.0]], friction=0.5)
+    >>> pinch.cone_edges(torque_origin=[0.0, 0.0])[0]
+    array([[ 1. ,  0.5],
+           [ 1. , -0.5]])
+    >>> pinch.wrenches(torque_origin=[0.0, 0.0], torque_scale=1.0)[0]
+    array([[ 1. ,  0.5, -0.5],
+           [ 1. , -0.5,  0.5]])
+    """
+
+    points: Floats
+    normals: Floats
+    friction: Floats
+
+    def __init__(self, points: ArrayLike, normals: ArrayLike, friction: ArrayLike) -> None:
+        checked = _checked_points(points)
+        object.__setattr__(self, "points", checked)
+        object.__setattr__(self, "normals", _checked_normals(normals, checked))
+        object.__setattr__(self, "friction", _checked_friction(friction, len(checked)))
+
+    def __len__(self) -> int:
+        return len(self.points)
+
+    @property
+    def dimension(self) -> int:
+        """2 in the plane, 3 in space."""
+        return int(self.points.shape[1])
+
+    def cone_edges(self, *, torque_origin: ArrayLike, edges: int = 8) -> Floats:
+        """Forces along the edges of the friction cones, each with a normal part of one.
+
+        Parameters
+        ----------
+        torque_origin : array-like, shape (3,) or (2,)
+            The point the lever arms start at [m]; it sets where the first edge lies.
+        edges : int
+            Edges of a spatial cone, three or more. A planar cone has two whatever is asked.
+
+        Returns
+        -------
+        ndarray, shape (n, edges, 3) or (n, 2, 2)
+            Forces [N] for a normal force of 1 N.
+        """
+        cones = wrench_cones(self, torque_origin=torque_origin, torque_scale=1.0)
+        profile = cone_profile(self.dimension, "point", edges)
+        wrenches = cones.centers[:, None, :] + profile @ cones.axes
+        return np.ascontiguousarray(wrenches[:, :, : self.dimension])
+
+    def wrenches(
+        self,
+        *,
+        torque_origin: ArrayLike,
+        torque_scale: float,
+        edges: int = 8,
+        contact: ContactModel = "point",
+        patch_radius: float = PATCH_RADIUS,
+    ) -> Floats:
+        """Primitive wrenches ``[force, torque / torque_scale]`` of every contact.
+
+        Parameters
+        ----------
+        torque_origin : array-like, shape (3,) or (2,)
+            The point torques are taken about [m].
+        torque_scale : float
+            Length that torques are divided by [m].
+        edges : int
+            Edges of a spatial cone.
+        contact : {"point", "frictionless", "soft"}
+            Hard finger, finger without friction, or finger that also resists torsion.
+        patch_radius : float
+            Radius of a soft finger's patch [m].
+
+        Returns
+        -------
+        ndarray, shape (n, m, 6) or (n, 2, 3)
+            ``m`` wrenches per contact [N]: `edges` for a point, 1 without friction, and
+            ``2 + edges (edges // 2 - 1)`` for a soft finger.
+        """
+        cones = wrench_cones(
+            self,
+            torque_origin=torque_origin,
+            torque_scale=torque_scale,
+            contact=contact,
+            patch_radius=patch_radius,
+        )
+        return np.asarray(
+            cones.centers[:, None, :] + cone_profile(self.dimension, contact, edges) @ cones.axes
+        )
+
+
+@dataclass(frozen=True)
+class WrenchCones:
+    """Per contact the ellipse of wrenches for a unit normal force: ``centers + axes^T z``.
+
+    ``centers`` (n, D) and ``axes`` (n, k, D) with D = 3 in the plane, 6 in space.
+    """
+
+    centers: Floats
+    axes: Floats
+
+
+def wrench_cones(
+    contacts: Contacts,
+    *,
+    torque_origin: ArrayLike,
+    torque_scale: float,
+    contact: ContactModel = "point",
+    patch_radius: float = PATCH_RADIUS,
+) -> WrenchCones:
+    """Turn contacts into ellipses of wrenches.
+
+    A soft finger presses with even pressure on a disk of `patch_radius` a; sliding of the patch
+    starts on the ellipsoid ``|f_t|^2 / mu^2 + torsion^2 / (2/3 mu a)^2 = f_n^2``. In the plane
+    torsion has no part, so a soft finger equals a point.
+    """
+    origin = checked_origin(torque_origin, contacts.dimension)
+    scale = positive(torque_scale, "torque_scale", " m")
+    patch = positive(patch_radius, "patch_radius", " m") if contact == "soft" else 0.0
+    check_model(contact)
+    n, d = contacts.points.shape
+    centers = np.empty((n, 3 * (d - 1)))
+    axes = np.empty((n, axis_count(d, contact), 3 * (d - 1)))
+    friction = np.zeros(n) if contact == "frictionless" else contacts.friction
+    fill_cones(contacts.points, contacts.normals, friction, patch, origin, scale, centers, axes)
+    return WrenchCones(centers, axes)
+
+
+def axis_count(dimension: int, contact: ContactModel) -> int:
+    """How many axes a contact's ellipse has: 1 in the plane, 2 in space, 3 for a soft finger."""
+    return 1 if dimension == 2 else 3 if contact == "soft" else 2
+
+
+def cone_profile(dimension: int, contact: ContactModel, edges: int | None) -> Floats:
+    """Points ``z`` on the unit sphere that stand for a contact's ellipse.
+
+    Parameters
+    ----------
+    dimension : int
+        2 or 3.
+    contact : {"point", "frictionless", "soft"}
+        Contact model.
+    edges : int or None
+        Edges of a cone; None stands for the exact cone and gives no points in space.
+
+    Returns
+    -------
+    ndarray, shape (m, k)
+        In the plane the two ends of the segment, which is exact. A soft finger gets `edges`
+        meridians on ``edges // 2 - 1`` circles of latitude, and the two poles.
+    """
+    k = axis_count(dimension, contact)
+    if contact == "frictionless":
+        return np.zeros((1, k))
+    if dimension == 2:
+        return np.array([[1.0], [-1.0]])
+    if edges is None:
+        return np.zeros((0, k))
+    if isinstance(edges, bool) or not isinstance(edges, int | np.integer) or edges < 3:
+        raise InputError(
+            f"Expected edges to be a whole number of three or more, but got {edges!r};"
+            " pass for example 8, or None for the exact cone."
+        )
+    turn = 2.0 * np.pi * np.arange(edges) / edges
+    circle = np.stack([np.cos(turn), np.sin(turn)], axis=1)
+    return circle if contact == "point" else _sphere_profile(circle, max(2, edges // 2))
+
+
+def _sphere_profile(circle: Floats, steps: int) -> Floats:
+    latitudes = np.pi * np.arange(1, steps) / steps - np.pi / 2.0
+    rings = [
+        np.column_stack([np.cos(angle) * circle, np.full(len(circle), np.sin(angle))])
+        for angle in latitudes
+    ]
+    return np.vstack([[[0.0, 0.0, -1.0]], *rings, [[0.0, 0.0, 1.0]]])
+
+
+@njit(cache=True)
+def tangent_pair(normal, arm, t1, t2):  # type: ignore[no-untyped-def]
+    """First tangent along the lever arm's tangential part, or along a world axis without one."""
+    along = normal[0] * arm[0] + normal[1] * arm[1] + normal[2] * arm[2]
+    length = 0.0
+    reach = 0.0
+    for a in range(3):
+        t1[a] = arm[a] - along * normal[a]
+        length += t1[a] * t1[a]
+        reach += arm[a] * arm[a]
+    if length <= TANGENT_TOLERANCE**2 * reach:
+        # no direction is distinguished by this contact alone: take n x e of the smallest |n|
+        axis = np.argmin(np.abs(normal))
+        b, c = (axis + 1) % 3, (axis + 2) % 3
+        t1[axis] = 0.0
+        t1[b] = normal[c]
+        t1[c] = -normal[b]
+        length = t1[b] * t1[b] + t1[c] * t1[c]
+    for a in range(3):
+        t1[a] /= np.sqrt(length)
+    for a in range(3):
+        b, c = (a + 1) % 3, (a + 2) % 3
+        t2[a] = normal[b] * t1[c] - normal[c] * t1[b]
+
+
+@njit(cache=True)
+def _fill_wrench(force, arm, gain, scale, out):  # type: ignore[no-untyped-def]
+    for a in range(3):
+        b, c = (a + 1) % 3, (a + 2) % 3
+        out[a] = gain * force[a]
+        out[3 + a] = gain * (arm[b] * force[c] - arm[c] * force[b]) / scale
+
+
+@njit(cache=True)
+def fill_cones(points, normals, friction, patch, origin, scale, centers, axes):  # type: ignore[no-untyped-def]
+    """Write the ellipses of one grasp into `centers` (n, D) and `axes` (n, k, D)."""
+    t1, t2 = np.empty(3), np.empty(3)
+    for i in range(points.shape[0]):
+        arm, normal, mu = points[i] - origin, normals[i], friction[i]
+        if points.shape[1] == 2:
+            centers[i, :2] = normal
+            centers[i, 2] = (arm[0] * normal[1] - arm[1] * normal[0]) / scale
+            axes[i, 0, 0], axes[i, 0, 1] = -mu * normal[1], mu * normal[0]
+            axes[i, 0, 2] = mu * (arm[0] * normal[0] + arm[1] * normal[1]) / scale
+            continue
+        tangent_pair(normal, arm, t1, t2)
+        _fill_wrench(normal, arm, 1.0, scale, centers[i])
+        _fill_wrench(t1, arm, mu, scale, axes[i, 0])
+        _fill_wrench(t2, arm, mu, scale, axes[i, 1])
+        if axes.shape[1] == 3:
+            axes[i, 2, :3] = 0.0
+            axes[i, 2, 3:] = 2.0 / 3.0 * mu * patch * normal / scale
+
+
+def check_model(contact: Any) -> None:
+    """Refuse a contact model that is none of the three."""
+    if contact not in ("point", "frictionless", "soft"):
+        raise InputError(
+            f"Expected contact to be 'point', 'frictionless' or 'soft', but got {contact!r};"
+            " use one of the three."
+        )
+
+
+def checked_origin(torque_origin: ArrayLike, dimension: int) -> Floats:
+    """Check the point torques are taken about and return it as floats, shape (dimension,)."""
+    return points_array(
+        np.reshape(np.asarray(torque_origin, dtype=float), (1, -1)), dimension, "torque_origin"
+    )[0]
+
+
+def _checked_points(points: ArrayLike) -> Floats:
+    array = np.asarray(points, dtype=float)
+    if array.ndim != 2 or array.shape[1] not in (2, 3):
+        raise InputError(
+            f"Expected points of shape (n, 2) or (n, 3), but got shape {array.shape};"
+            " pass one row of coordinates per contact."
+        )
+    return np.ascontiguousarray(points_array(array, array.shape[1]))
+
+
+def _checked_normals(normals: ArrayLike, points: Floats) -> Floats:
+    array = points_array(normals, points.shape[1], "normals")
+    if len(array) != len(points):
+        raise InputError(
+            f"Expected one normal per point, but got {len(array)} normals for"
+            f" {len(points)} points; pass as many as points."
+        )
+    off = np.abs(np.einsum("ij,ij->i", array, array) - 1.0)
+    if len(off) and off.max() > 2.0 * UNIT_TOLERANCE:
+        worst = int(off.argmax())
+        raise InputError(
+            f"Expected normals of length one, but row {worst} has length"
+            f" {np.linalg.norm(array[worst]):.6g}; divide each normal by its length."
+        )
+    return np.ascontiguousarray(array)
+
+
+def _checked_friction(friction: ArrayLike, n: int) -> Floats:
+    array = np.asarray(friction, dtype=float)
+    if array.ndim > 1 or (array.ndim == 1 and len(array) != n):
+        raise InputError(
+            f"Expected one friction coefficient or one for each of {n} contacts, but got shape"
+            f" {array.shape}; pass a number or an array of length {n}."
+        )
+    if not np.all(np.isfinite(array)) or np.any(array < 0.0):
+        bad = array[~(np.isfinite(array) & (array >= 0.0))] if array.ndim else array
+        raise InputError(
+            "Expected friction to be finite and zero or more, but got"
+            f" {float(np.ravel(bad)[0]):g}; give a coefficient that is not negative."
+        )
+    return np.ascontiguousarray(np.broadcast_to(array, (n,)))

@@ -1,0 +1,223 @@
+"""Epsilon: the radius of the largest ball around the origin inside the grasp wrench space."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from medkit.contacts import (
+    PATCH_RADIUS,
+    ContactModel,
+    Contacts,
+    WrenchCones,
+    cone_profile,
+    wrench_cones,
+)
+from medkit.errors import InputError
+from medkit.geometry import Floats, positive
+from medkit.quality import kernels
+
+Norm = Literal["l1", "linf"]
+
+#: A ball smaller than this, in units of the longest wrench, counts as none.
+CLOSURE_TOLERANCE = 1e-10
+#: Bounds of linearised cones meet this closely, in units of the longest wrench.
+LINEAR_GAP = 1e-12
+#: Points that are added before the bounds are returned as they stand.
+BUDGET = 20_000
+
+
+@dataclass(frozen=True)
+class Epsilon:
+    """Bounds on the radius of the largest origin-centred ball inside the wrench space.
+
+    Attributes
+    ----------
+    lower, upper : float
+        The radius lies between them [N for contacts that press with at most 1 N]; both are 0.0
+        for a grasp that is not force-closure.
+    weakest_direction : ndarray, shape (6,) or (3,)
+        Unit wrench ``[force, torque / torque_scale]`` in which the wrench space reaches least
+        far; a disturbance of the opposite direction is the hardest to resist. For a grasp that
+        is not force-closure, a direction in which it can give no positive wrench; zeros when
+        the wrenches do not span the space.
+    points_added : int
+        Support points the polytope took in after its start simplex.
+    converged : bool
+        False when the budget ran out first; the bounds hold all the same.
+    """
+
+    lower: float
+    upper: float
+    weakest_direction: Floats
+    points_added: int
+    converged: bool
+
+    @property
+    def force_closure(self) -> bool:
+        """Whether the ball has a radius at all."""
+        return self.lower > 0.0
+
+
+@dataclass(frozen=True)
+class EpsilonBatch:
+    """Epsilon of many grasps: ``lower`` and ``upper`` (g,), 0.0 where not force-closure."""
+
+    lower: Floats
+    upper: Floats
+
+    @property
+    def force_closure(self) -> NDArray[np.bool_]:
+        """Which grasps are force-closure, shape (g,)."""
+        return np.asarray(self.lower > 0.0)
+
+
+def epsilon(
+    points: ArrayLike,
+    normals: ArrayLike,
+    *,
+    friction: ArrayLike,
+    torque_origin: ArrayLike,
+    torque_scale: float,
+    edges: int | None = 8,
+    norm: Norm = "l1",
+    contact: ContactModel = "point",
+    patch_radius: float = PATCH_RADIUS,
+    tolerance: float = 1e-6,
+) -> Epsilon:
+    """Largest wrench, in its weakest direction, that the contacts resist.
+
+    Parameters
+    ----------
+    points : array-like, shape (n, 3) or (n, 2)
+        Contact points, object frame [m].
+    normals : array-like, same shape
+        Inward unit normals [1].
+    friction : float or array-like, shape (n,)
+        Coulomb coefficients [1].
+    torque_origin : array-like, shape (3,) or (2,)
+        Point torques are taken about, usually the centre of mass [m].
+    torque_scale : float
+        Length torques are divided by, usually the object's largest distance from its centre of
+        mass [m].
+    edges : int or None
+        Edges of a linearised cone in space, see `medkit.contacts`; None for the exact cone. A
+        planar cone has two edges and is exact.
+    norm : {"l1", "linf"}
+        "l1": the normal forces sum to at most 1 N (hull of the union of the contacts' wrenches);
+        "linf": each normal force is at most 1 N (their Minkowski sum).
+    contact : {"point", "frictionless", "soft"}
+        Contact model.
+    patch_radius : float
+        Radius of a soft finger's patch [m].
+    tolerance : float
+        How closely the bounds of exact cones meet, in units of the longest wrench [1]. Bounds of
+        linearised cones meet within 1e-12 whatever is given.
+
+    Returns
+    -------
+    Epsilon
+        Bounds, the weakest direction, and how much work it was. Grasps that are not
+        force-closure (also too few contacts, coplanar wrenches) give 0.0.
+
+    Raises
+    ------
+    InputError
+        For arguments out of their range; see `Contacts`.
+
+    Notes
+    -----
+    After Ferrari and Canny (1992); the expansion after Zheng (2012). P13 4.6.2, 5.1.3. A grasp
+    whose ball is smaller than 1e-10 of its longest wrench counts as not force-closure.
+
+    Examples
+    --------
+    >>> pinch = epsilon([[-1.0, 0.0], [1.0, 0.0]], [[1.0, 0.0], [-1.0, 0.0]],
+    ...                 friction=1.0, torque_origin=[0.0, 0.0], torque_scale=1.0)
+    >>> round(pinch.lower, 6)
+    0.57735
+    """
+    contacts = Contacts(points, normals, friction)
+    total = _is_total(norm)
+    cones = wrench_cones(
+        contacts,
+        torque_origin=torque_origin,
+        torque_scale=torque_scale,
+        contact=contact,
+        patch_radius=patch_radius,
+    )
+    profile = cone_profile(contacts.dimension, contact, edges)
+    gap = LINEAR_GAP if len(profile) else positive(tolerance, "tolerance")
+    return epsilon_of_cones(cones, profile, total=total, gap=gap)
+
+
+def epsilon_of_cones(cones: WrenchCones, profile: Floats, *, total: bool, gap: float) -> Epsilon:
+    """Epsilon of contacts that are already ellipses of wrenches; `gap` in longest wrenches."""
+    weakest = np.zeros(cones.centers.shape[1])
+    length = longest_wrench(cones)
+    status, lower, upper, added = kernels.expand(
+        cones.centers, cones.axes, profile, total,
+        CLOSURE_TOLERANCE * length, gap * length, False, BUDGET, weakest,
+    )  # fmt: skip
+    if status in (kernels.OPEN, kernels.FLAT):
+        return Epsilon(0.0, 0.0, weakest, added, True)
+    return Epsilon(max(lower, 0.0), max(upper, 0.0), weakest, added, status == kernels.CONVERGED)
+
+
+def longest_wrench(cones: WrenchCones) -> float:
+    """Length of the longest primitive wrench, or of the longest centre plus axes above it."""
+    if len(cones.centers) == 0:
+        return 1.0
+    squares = np.einsum("ij,ij->i", cones.centers, cones.centers)
+    squares = squares + np.einsum("ikj,ikj->i", cones.axes, cones.axes)
+    return float(np.sqrt(squares.max()))
+
+
+def _is_total(norm: str) -> bool:
+    if norm not in ("l1", "linf"):
+        raise InputError(f"Expected norm to be 'l1' or 'linf', but got {norm!r}; use one of both.")
+    return norm == "linf"
+
+
+def epsilon_many(
+    points: Sequence[ArrayLike],
+    normals: Sequence[ArrayLike],
+    *,
+    friction: float,
+    torque_origin: ArrayLike,
+    torque_scale: float,
+    edges: int | None = 8,
+    norm: Norm = "l1",
+    contact: ContactModel = "point",
+    patch_radius: float = PATCH_RADIUS,
+    tolerance: float = 1e-6,
+) -> EpsilonBatch:
+    """Epsilon of many grasps of one object.
+
+    Parameters
+    ----------
+    points, normals : sequence of array-like, each of shape (n_i, 3) or (n_i, 2)
+        Contacts of each grasp [m], [1].
+    friction : float
+        Coulomb coefficient of all contacts [1].
+    torque_origin, torque_scale, edges, norm, contact, patch_radius, tolerance
+        As in `epsilon`, one for all grasps.
+
+    Returns
+    -------
+    EpsilonBatch
+        Bounds per grasp.
+    """
+    results = [
+        epsilon(
+            p, n, friction=friction, torque_origin=torque_origin, torque_scale=torque_scale,
+            edges=edges, norm=norm, contact=contact, patch_radius=patch_radius,
+            tolerance=tolerance,
+        )
+        for p, n in zip(points, normals, strict=True)
+    ]  # fmt: skip
+    return EpsilonBatch(np.array([r.lower for r in results]), np.array([r.upper for r in results]))
