@@ -1,12 +1,17 @@
-"""Collision queries between link bodies, and of link bodies against an object."""
+"""Collision queries of link bodies: against an object's mesh, and among themselves."""
 
 from __future__ import annotations
 
-import coal
-import numpy as np
+from dataclasses import dataclass
 
-from medkit.geometry import Floats
+import coal
+import igl
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from medkit.geometry import Floats, apply, inverse, points_array
 from medkit.robots.hand import Hand, Ints, LinkBody
+from medkit.robots.kernels import near_pairs_kernel
 
 
 def convex_geometry(body: LinkBody) -> coal.ConvexBase:
@@ -17,58 +22,181 @@ def convex_geometry(body: LinkBody) -> coal.ConvexBase:
     return coal.Convex.convexHull(points, True, "Qt")
 
 
-def coal_pose(pose: Floats) -> coal.Transform3s:
-    """Return a pose (4, 4) as coal's transform."""
+def mesh_geometry(vertices: Floats, faces: Ints) -> coal.BVHModelOBBRSS:
+    """Return a mesh as coal's hierarchy of boxes."""
+    model = coal.BVHModelOBBRSS()
+    model.beginModel(len(faces), len(vertices))
+    model.addVertices(vertices)
+    model.addTriangles(faces)
+    model.endModel()
+    return model
+
+
+def _coal_pose(pose: Floats) -> coal.Transform3s:
     return coal.Transform3s(np.ascontiguousarray(pose[:3, :3]), np.ascontiguousarray(pose[:3, 3]))
 
 
-def self_collision_pairs(hand: Hand, samples: int = 64) -> Ints:
-    """Pairs of bodies that can touch.
+@dataclass(frozen=True)
+class Proximity:
+    """How near a body is to the object.
 
-    Left out are bodies of one rigid group, bodies of neighbouring groups (their joint holds them
-    together), and pairs that touch in all of the `samples` configurations (fixed, spread over
-    the limits).
-
-    Returns
-    -------
-    ndarray, shape (p, 2)
-        Indices into ``hand.bodies``.
+    Attributes
+    ----------
+    distance : float
+        Gap [m]; below zero the depth of the deepest point of either inside the other.
+    point_on_object, point_on_body : ndarray, shape (3,)
+        Nearest points, or ends of the depth [m], in the object's frame.
     """
-    candidates = np.array(
-        [
-            (i, j)
-            for i in range(len(hand.bodies))
-            for j in range(i + 1, len(hand.bodies))
-            if not _neighbours(hand, hand.bodies[i].link, hand.bodies[j].link)
-        ],
-        dtype=np.int64,
-    ).reshape(-1, 2)
-    rng = np.random.default_rng(0)
-    low, high = hand.limits.T
-    configurations = low + rng.random((samples, len(low))) * (high - low)
-    touching = SelfCollision(hand, candidates).touching(configurations)
-    return candidates[~touching.all(axis=0)]
+
+    distance: float
+    point_on_object: Floats
+    point_on_body: Floats
 
 
-def _group(hand: Hand, link: int) -> int:
-    """Return the first link of the rigid group of `link`."""
-    while hand.tree.kind[link] == 0 and hand.tree.parent[link] >= 0:
-        link = int(hand.tree.parent[link])
-    return link
+class MeshCollider:
+    """An object's mesh, to be asked about the bodies of a hand.
+
+    Parameters
+    ----------
+    vertices : array-like, shape (n, 3)
+        Vertices of a closed mesh [m], in the object's frame.
+    faces : array-like, shape (f, 3)
+        Triangles, counter-clockwise seen from outside.
+    hand : Hand
+        The hand whose bodies are asked about.
+
+    Notes
+    -----
+    A mesh is hollow to coal: a body wholly inside touches nothing. Every answer therefore also
+    asks for the winding number of a vertex of the body.
+    """
+
+    def __init__(self, vertices: ArrayLike, faces: ArrayLike, hand: Hand) -> None:
+        self.hand = hand
+        self._vertices = points_array(vertices, 3, "vertices")
+        self._faces = np.ascontiguousarray(faces, dtype=np.int64)
+        self._mesh = mesh_geometry(self._vertices, self._faces)
+        self._bodies = [convex_geometry(body) for body in hand.bodies]
+        self._planes = [_planes(body) for body in hand.bodies]
+        self._bounds = self._vertices.min(axis=0), self._vertices.max(axis=0)
+        self._tree = igl.AABB()
+        self._tree.init(self._vertices, self._faces)
+        self._winding = igl.FastWindingNumberBVH()
+        self._winding.init(self._vertices, self._faces, 2)
+        self._request = coal.CollisionRequest()
+        self._result = coal.CollisionResult()
+        self._distance_request = coal.DistanceRequest()
+        self._distance_result = coal.DistanceResult()
+
+    def inside(self, points: ArrayLike) -> NDArray[np.bool_]:
+        """Whether points (n, 3) [m] in the object's frame lie inside the object."""
+        return np.asarray(self._winding.winding_number(points_array(points, 3)) > 0.5)
+
+    def collides(self, body: int, T_object_link: Floats) -> bool:
+        """Whether a body touches the object or lies inside it.
+
+        Parameters
+        ----------
+        body : int
+            Index into ``hand.bodies``.
+        T_object_link : ndarray, shape (4, 4)
+            Pose of the body's link in the object's frame [m].
+
+        Returns
+        -------
+        bool
+            True from the first touch on.
+        """
+        return self._crosses(body, T_object_link) or self._swallowed(body, T_object_link)
+
+    def hand_collides(
+        self, q: ArrayLike, T_object_hand: Floats, bodies: ArrayLike | None = None
+    ) -> bool:
+        """Whether any body (or any of `bodies`) of the hand at `q` (nq,) collides; stops early."""
+        poses = T_object_hand @ self.hand.link_poses(q)
+        chosen = range(len(self.hand.bodies)) if bodies is None else np.asarray(bodies)
+        return any(self.collides(int(b), poses[self.hand.bodies[b].link]) for b in chosen)
+
+    def distance(self, body: int, T_object_link: Floats) -> Proximity:
+        """Signed distance between a body and the object.
+
+        Parameters
+        ----------
+        body : int
+            Index into ``hand.bodies``.
+        T_object_link : ndarray, shape (4, 4)
+            Pose of the body's link in the object's frame [m].
+
+        Returns
+        -------
+        Proximity
+            Gap and nearest points; when they overlap, minus the depth of the deepest vertex of
+            one inside the other (a lower bound of the true depth when only edges cross).
+        """
+        if self.collides(body, T_object_link):
+            return self._depth(body, T_object_link)
+        self._distance_result.clear()
+        gap = coal.distance(
+            self._mesh, coal.Transform3s(), self._bodies[body], _coal_pose(T_object_link),
+            self._distance_request, self._distance_result,
+        )  # fmt: skip
+        return Proximity(
+            float(gap),
+            np.array(self._distance_result.getNearestPoint1()),
+            np.array(self._distance_result.getNearestPoint2()),
+        )
+
+    def _crosses(self, body: int, T_object_link: Floats) -> bool:
+        self._result.clear()
+        coal.collide(
+            self._mesh, coal.Transform3s(), self._bodies[body], _coal_pose(T_object_link),
+            self._request, self._result,
+        )  # fmt: skip
+        return bool(self._result.isCollision())
+
+    def _swallowed(self, body: int, T_object_link: Floats) -> bool:
+        """Whether a body that does not cross the surface lies inside, or holds the object."""
+        points = apply(T_object_link, self.hand.bodies[body].vertices)
+        low, high = points.min(axis=0), points.max(axis=0)
+        if np.all(low > self._bounds[0]) and np.all(high < self._bounds[1]):
+            return bool(self.inside(points[:1])[0])
+        if np.all(low < self._bounds[0]) and np.all(high > self._bounds[1]):
+            return bool(self._body_depth(body, T_object_link, self._vertices[:1])[0] > 0.0)
+        return False
+
+    def _body_depth(self, body: int, T_object_link: Floats, points: Floats) -> Floats:
+        """Depth of points (n, 3) under the nearest face of a body; below zero outside."""
+        normals, offsets = self._planes[body]
+        local = apply(inverse(T_object_link), points)
+        return np.asarray((offsets - local @ normals.T).min(axis=1))
+
+    def _depth(self, body: int, T_object_link: Floats) -> Proximity:
+        points = apply(T_object_link, self.hand.bodies[body].vertices)
+        squared, _, nearest = self._tree.squared_distance(self._vertices, self._faces, points)
+        depth = np.where(self.inside(points), np.sqrt(squared), 0.0)
+        deepest = int(np.argmax(depth))
+        covered = self._body_depth(body, T_object_link, self._vertices)
+        vertex = int(np.argmax(covered))
+        if depth[deepest] >= covered[vertex]:
+            return Proximity(-float(depth[deepest]), nearest[deepest], points[deepest])
+        normals, offsets = self._planes[body]
+        local = apply(inverse(T_object_link), self._vertices[vertex : vertex + 1])[0]
+        face = int(np.argmin(offsets - normals @ local))
+        outward = T_object_link[:3, :3] @ normals[face]
+        start = self._vertices[vertex]
+        return Proximity(-float(covered[vertex]), start, start + covered[vertex] * outward)
 
 
-def _neighbours(hand: Hand, first: int, second: int) -> bool:
-    a, b = _group(hand, first), _group(hand, second)
-
-    def above(link: int) -> int:
-        parent = int(hand.tree.parent[link])
-        return -1 if parent < 0 else _group(hand, parent)
-
-    return a == b or above(a) == b or above(b) == a
+def _planes(body: LinkBody) -> tuple[Floats, Floats]:
+    """Outward unit normals (f, 3) and offsets (f,) [m] of a body's faces."""
+    a, b, c = (body.vertices[body.faces[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return normals, np.einsum("ij,ij->i", normals, a)
 
 
 class SelfCollision:
-    """Tests pairs of a hand's bodies for contact.
+    """Tests pairs of a hand's bodies for contact: boxes first (compiled), then the hulls.
 
     Parameters
     ----------
@@ -82,20 +210,96 @@ class SelfCollision:
         self.hand = hand
         self.pairs = hand.self_collision_pairs if pairs is None else pairs
         self._shapes = [convex_geometry(body) for body in hand.bodies]
+        self._owner = np.array([body.link for body in hand.bodies], dtype=np.int64)
+        low = np.array([body.vertices.min(axis=0) for body in hand.bodies]).reshape(-1, 3)
+        high = np.array([body.vertices.max(axis=0) for body in hand.bodies]).reshape(-1, 3)
+        self._middle, self._half = 0.5 * (low + high), 0.5 * (high - low)
+        self._near = np.zeros(len(self.pairs), dtype=np.bool_)
         self._request = coal.CollisionRequest()
         self._result = coal.CollisionResult()
 
-    def touching(self, q: Floats) -> np.ndarray:
-        """Whether each pair touches, (B, p) for `q` (B, nq)."""
-        poses = self.hand.link_poses(np.atleast_2d(q))
-        flags = np.zeros((len(poses), len(self.pairs)), dtype=bool)
-        for row, links in enumerate(poses):
-            placed = [coal_pose(links[body.link]) for body in self.hand.bodies]
-            for column, (i, j) in enumerate(self.pairs):
-                self._result.clear()
-                coal.collide(
-                    self._shapes[i], placed[i], self._shapes[j], placed[j],
-                    self._request, self._result,
-                )  # fmt: skip
-                flags[row, column] = self._result.isCollision()
-        return flags
+    def collides(self, q: ArrayLike) -> bool:
+        """Whether any pair touches at `q` (nq,)."""
+        links = self.hand.link_poses(q)
+        return any(self._touch(links, row) for row in self._near_rows(links))
+
+    def touching(self, q: ArrayLike) -> Ints:
+        """Pairs of bodies (k, 2) that touch at `q` (nq,)."""
+        links = self.hand.link_poses(q)
+        rows = [row for row in self._near_rows(links) if self._touch(links, row)]
+        return np.asarray(self.pairs[rows])
+
+    def _near_rows(self, links: Floats) -> list[int]:
+        near_pairs_kernel(links, self._owner, self._middle, self._half, self.pairs, self._near)
+        return [int(row) for row in np.flatnonzero(self._near)]
+
+    def _touch(self, links: Floats, row: int) -> bool:
+        i, j = self.pairs[row]
+        self._result.clear()
+        coal.collide(
+            self._shapes[i], _coal_pose(links[self._owner[i]]),
+            self._shapes[j], _coal_pose(links[self._owner[j]]),
+            self._request, self._result,
+        )  # fmt: skip
+        return bool(self._result.isCollision())
+
+
+def self_collision_pairs(hand: Hand, samples: int = 48) -> Ints:
+    """Pairs of bodies that can touch.
+
+    Left out are bodies of one rigid group, bodies of neighbouring groups (their joint holds them
+    together), and pairs that touch in all of the `samples` configurations (fixed, spread over
+    the limits).
+
+    Parameters
+    ----------
+    hand : Hand
+        The hand.
+    samples : int
+        Number of configurations that are tried.
+
+    Returns
+    -------
+    ndarray, shape (p, 2)
+        Indices into ``hand.bodies``.
+    """
+    count = len(hand.bodies)
+    candidates = np.array(
+        [
+            (i, j)
+            for i in range(count)
+            for j in range(i + 1, count)
+            if not _neighbours(hand, hand.bodies[i].link, hand.bodies[j].link)
+        ],
+        dtype=np.int64,
+    ).reshape(-1, 2)
+    rng = np.random.default_rng(0)
+    low, high = hand.limits.T
+    always = np.ones(len(candidates), dtype=bool)
+    for q in low + rng.random((samples, len(low))) * (high - low):
+        still = SelfCollision(hand, candidates[always]) if always.any() else None
+        if still is None:
+            break
+        rows = np.flatnonzero(always)
+        links = hand.link_poses(q)
+        always[:] = False
+        always[[rows[k] for k in still._near_rows(links) if still._touch(links, k)]] = True
+    return candidates[~always]
+
+
+def _neighbours(hand: Hand, first: int, second: int) -> bool:
+    a, b = _group(hand, first), _group(hand, second)
+    return a == b or _above(hand, a) == b or _above(hand, b) == a
+
+
+def _group(hand: Hand, link: int) -> int:
+    """Return the first link of the rigid group of `link`."""
+    while hand.tree.kind[link] == 0 and hand.tree.parent[link] >= 0:
+        link = int(hand.tree.parent[link])
+    return link
+
+
+def _above(hand: Hand, group: int) -> int:
+    """Return the group that carries `group`, -1 for the base."""
+    parent = int(hand.tree.parent[group])
+    return -1 if parent < 0 else _group(hand, parent)

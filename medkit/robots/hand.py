@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -218,7 +218,8 @@ class Hand:
             mesh = trimesh.Trimesh(body.vertices, body.faces, process=False)
             mesh.apply_transform(poses[body.link])
             parts.setdefault(self.link_names[body.link], []).append(mesh)
-        return {name: trimesh.util.concatenate(meshes) for name, meshes in parts.items()}
+        joined = {name: trimesh.util.concatenate(meshes) for name, meshes in parts.items()}
+        return cast("dict[str, trimesh.Trimesh]", joined)
 
     def joint_values(self, q: ArrayLike) -> dict[str, float]:
         """Joint coordinates `q` (nq,) by name [rad or m]."""

@@ -95,3 +95,63 @@ def forward_kinematics_batch_kernel(
         forward_kinematics_kernel(
             parent, placement, axis, kind, coordinate, multiplier, offset, q[row], poses[row]
         )
+
+
+@njit(cache=True)
+def boxes_apart(first: NDArray, second: NDArray, half_a: NDArray, half_b: NDArray) -> bool:
+    """Whether two boxes, given by their poses (4, 4) and half edges (3,), surely do not touch.
+
+    Tests the fifteen separating axes: face normals and cross products of edges.
+    """
+    turn = np.empty((3, 3))
+    reach = np.empty((3, 3))
+    shift = np.empty(3)
+    for i in range(3):
+        shift[i] = 0.0
+        for k in range(3):
+            shift[i] += first[k, i] * (second[k, 3] - first[k, 3])
+        for j in range(3):
+            turn[i, j] = 0.0
+            for k in range(3):
+                turn[i, j] += first[k, i] * second[k, j]
+            reach[i, j] = abs(turn[i, j]) + 1e-12
+    for i in range(3):
+        span = half_b[0] * reach[i, 0] + half_b[1] * reach[i, 1] + half_b[2] * reach[i, 2]
+        if abs(shift[i]) > half_a[i] + span:
+            return True
+        gap = shift[0] * turn[0, i] + shift[1] * turn[1, i] + shift[2] * turn[2, i]
+        span = half_a[0] * reach[0, i] + half_a[1] * reach[1, i] + half_a[2] * reach[2, i]
+        if abs(gap) > half_b[i] + span:
+            return True
+    for i in range(3):
+        k, m = (i + 1) % 3, (i + 2) % 3
+        for j in range(3):
+            u, v = (j + 1) % 3, (j + 2) % 3
+            gap = shift[m] * turn[k, j] - shift[k] * turn[m, j]
+            span = half_a[k] * reach[m, j] + half_a[m] * reach[k, j]
+            span += half_b[u] * reach[i, v] + half_b[v] * reach[i, u]
+            if abs(gap) > span:
+                return True
+    return False
+
+
+@njit(cache=True)
+def near_pairs_kernel(
+    links: NDArray, owner: NDArray, middle: NDArray, half: NDArray, pairs: NDArray, near: NDArray
+) -> None:
+    """Write into `near` (p,) whether the boxes of each pair of bodies (p, 2) may touch.
+
+    `links` (L, 4, 4) are poses, `owner` (n,) the link of each body, `middle` and `half` (n, 3)
+    its box in the frame of the link.
+    """
+    count = owner.shape[0]
+    boxes = np.empty((count, 4, 4))
+    for body in range(count):
+        pose = links[owner[body]]
+        boxes[body] = pose
+        for i in range(3):
+            for k in range(3):
+                boxes[body, i, 3] += pose[i, k] * middle[body, k]
+    for row in range(pairs.shape[0]):
+        a, b = pairs[row]
+        near[row] = not boxes_apart(boxes[a], boxes[b], half[a], half[b])

@@ -211,8 +211,8 @@ def _mesh_points(element: ET.Element, path: Path, package_dirs: Sequence[Path]) 
 
     name = element.get("filename", "")
     file = resolve(name, path.parent, package_dirs)
-    mesh = trimesh.load(file, force="mesh")
-    vertices = np.asarray(mesh.vertices, dtype=float)
+    mesh = trimesh.load_mesh(file)
+    vertices = np.asarray(mesh.vertices, dtype=np.float64)
     if len(vertices) < 4:
         raise InputError(f"The mesh {name} of {path.name} holds no solid; replace it.")
     return vertices * _numbers(element, "scale", "1 1 1", path)
