@@ -1,5 +1,7 @@
 """Objects, human grasps, handover trials: files with provenance and schema, no algorithms."""
 
+from medkit.datasets.folder import load_folder as load_folder
+
 # Recordings of people grasping.
 from medkit.datasets.human_grasps import FINGERS as FINGERS
 from medkit.datasets.human_grasps import SENSORS as SENSORS
@@ -12,3 +14,5 @@ from medkit.datasets.objects import ObjectInfo as ObjectInfo
 from medkit.datasets.objects import load_object as load_object
 from medkit.datasets.objects import object_info as object_info
 from medkit.datasets.objects import object_names as object_names
+from medkit.datasets.printed import load_printed as load_printed
+from medkit.datasets.printed import printed_names as printed_names

@@ -13,8 +13,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import trimesh
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, PchipInterpolator
 from scipy.ndimage import map_coordinates
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from medkit.errors import InputError
 from medkit.geometry import Floats, rotation_about, unit
@@ -194,9 +196,18 @@ def lathe(profile: ArrayLike) -> Part:
     )
 
 
-def mesh_of(
-    parts: Sequence[Part], *, longest: float, triangles: int = 12000, clean: bool = True
-) -> trimesh.Trimesh:
+def profile_through(points: list[tuple[float, float]], fine: int = 40) -> Floats:
+    """Half section (fine + 2, 2) of a solid lathe body: radii at heights, closed at the axis.
+
+    `points` are (height, radius) from bottom to top; the curve between them does not overshoot.
+    """
+    knots = np.asarray(points, dtype=float)
+    heights = np.linspace(knots[0, 0], knots[-1, 0], fine)
+    radii = PchipInterpolator(knots[:, 0], knots[:, 1])(heights)
+    return np.vstack([[0.0, heights[0]], np.column_stack([radii, heights]), [0.0, heights[-1]]])
+
+
+def mesh_of(parts: Sequence[Part], *, longest: float, triangles: int = 12000) -> trimesh.Trimesh:
     """Mesh the surface of a body and bring it to its size.
 
     Parameters
@@ -207,8 +218,6 @@ def mesh_of(
         Length of the longest edge of the bounding box of the result [m].
     triangles : int
         About how many triangles are wanted; the cell size follows from it.
-    clean : bool
-        Merge slivers (at most an eightieth of a cell away from the surface).
 
     Returns
     -------
@@ -231,9 +240,7 @@ def mesh_of(
     guess = _surface(parts, coarse)
     # The number of triangles grows with the inverse square of the cell.
     cell = max(coarse * float(np.sqrt(len(guess[1]) / triangles)), span / 260.0)
-    vertices, faces = _surface(parts, cell)
-    if clean:
-        vertices, faces = _without_slivers(vertices, faces, cell / 80.0)
+    vertices, faces = _without_crumbs(*_surface(parts, cell))
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     scale = longest / float(np.max(high - low))
     mesh = trimesh.Trimesh((vertices - (low + high) / 2.0) * scale, faces, process=False)
@@ -289,20 +296,21 @@ def _surface(parts: Sequence[Part], cell: float) -> tuple[Floats, np.ndarray]:
     field = field_of(parts, (axes[0], axes[1], axes[2]))
     if not (field.min() < 0.0 < field.max()):
         raise InputError("Expected parts that enclose a body, but nothing is inside; add a part.")
-    # Grid points exactly on the surface would give triangles without area.
-    field[np.abs(field) < 1e-6 * cell] = 1e-6 * cell
+    # Grid points on or beside the surface would give slivers: push the surface off them.
+    slight = np.abs(field) < 0.03 * cell
+    field[slight] = np.where(field[slight] < 0.0, -0.03, 0.03) * cell
     vertices, faces, _, _ = marching_cubes(field, 0.0, gradient_direction="ascent")
     return low + cell * vertices.astype(float), faces[:, ::-1].astype(np.int64)
 
 
-def _without_slivers(
-    vertices: Floats, faces: np.ndarray, tolerance: float
-) -> tuple[Floats, np.ndarray]:
-    from manifold3d import Manifold, Mesh64
-
-    body = Manifold(Mesh64(vertices, faces.astype(np.uint64))).simplify(tolerance)
-    result = body.to_mesh64()
-    return np.asarray(result.vert_properties)[:, :3], np.asarray(result.tri_verts).astype(np.int64)
+def _without_crumbs(vertices: Floats, faces: np.ndarray) -> tuple[Floats, np.ndarray]:
+    """Drop shells of fewer than 40 triangles: bits of a blend that only the cells tore off."""
+    links = np.vstack([faces[:, [0, 1]], faces[:, [1, 2]]])
+    graph = coo_array((np.ones(len(links)), links.T), shape=2 * (len(vertices),))
+    label = connected_components(graph, directed=False)[1]
+    kept = faces[np.bincount(label[faces[:, 0]])[label[faces[:, 0]]] >= 40]
+    used, renamed = np.unique(kept, return_inverse=True)
+    return vertices[used], renamed.reshape(-1, 3)
 
 
 def _outline_lookup(outline: Floats) -> Callable[[Floats, Floats], Floats]:

@@ -7,21 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 import trimesh
-from scipy.interpolate import PchipInterpolator
 
-from medkit.datasets.implicit import Part, box, chain, ellipsoid, lathe, mesh_of
-from medkit.geometry import Floats
-
-
-def profile_through(points: list[tuple[float, float]], fine: int = 40) -> Floats:
-    """Half section (fine + 2, 2) of a solid lathe body: radii at heights, closed at the axis.
-
-    `points` are (height, radius) from bottom to top; the curve between them does not overshoot.
-    """
-    knots = np.asarray(points, dtype=float)
-    heights = np.linspace(knots[0, 0], knots[-1, 0], fine)
-    radii = PchipInterpolator(knots[:, 0], knots[:, 1])(heights)
-    return np.vstack([[0.0, heights[0]], np.column_stack([radii, heights]), [0.0, heights[-1]]])
+from medkit.datasets.implicit import Part, box, chain, lathe, mesh_of, profile_through
 
 
 def mug() -> trimesh.Trimesh:
@@ -85,44 +72,6 @@ def salt_box() -> trimesh.Trimesh:
 def cereal_box() -> trimesh.Trimesh:
     """Cuboid of 19 by 6 by 28 cm with sharp edges."""
     return _box_mesh((0.190, 0.060, 0.280))
-
-
-def teapot() -> list[Part]:
-    """Closed teapot with spout, handle and knob, as tall as the bodies of the large set."""
-    body = lathe(
-        profile_through(
-            [
-                (0.0, 0.17), (0.012, 0.185), (0.05, 0.225), (0.13, 0.262), (0.22, 0.255),
-                (0.29, 0.215), (0.335, 0.16), (0.345, 0.155),
-            ]
-        )
-    )  # fmt: skip
-    rim = lathe(profile_through([(0.335, 0.165), (0.342, 0.172), (0.35, 0.165)]))
-    lid = lathe(profile_through([(0.340, 0.15), (0.36, 0.135), (0.38, 0.09), (0.392, 0.028)]))
-    knob = ellipsoid([0.0, 0.0, 0.425], [0.034, 0.034, 0.030])
-    stem = chain([(0, 0, 0.385), (0, 0, 0.42)], 0.016, steps=1)
-    spout = chain(
-        [
-            (0.215, 0, 0.085),
-            (0.31, 0, 0.125),
-            (0.365, 0, 0.225),
-            (0.405, 0, 0.315),
-            (0.44, 0, 0.350),
-        ],
-        [0.062, 0.048, 0.034, 0.026, 0.025],
-    )
-    hole = chain([(0.425, 0, 0.342), (0.462, 0, 0.366)], [0.014, 0.019], steps=1)
-    handle = chain(
-        [
-            (-0.20, 0, 0.285), (-0.29, 0, 0.315), (-0.365, 0, 0.285), (-0.385, 0, 0.215),
-            (-0.355, 0, 0.135), (-0.29, 0, 0.085), (-0.225, 0, 0.075),
-        ],
-        [0.022, 0.021, 0.021, 0.021, 0.021, 0.021, 0.022],
-    )  # fmt: skip
-    return [
-        body, rim.blended(0.01), lid.blended(0.006), stem.blended(0.012), knob.blended(0.012),
-        spout.blended(0.03), hole.carved(0.004), handle.blended(0.03),
-    ]  # fmt: skip
 
 
 def _between(

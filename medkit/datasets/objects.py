@@ -22,6 +22,8 @@ from numpy.typing import NDArray
 
 from medkit.datasets import implicit
 from medkit.datasets import object_recipes_everyday as everyday
+from medkit.datasets import object_recipes_hand as hand
+from medkit.datasets import object_recipes_large as large
 from medkit.datasets.implicit import Part, mesh_of
 from medkit.errors import InputError
 from medkit.files import cache_folder, whole_file
@@ -59,19 +61,52 @@ class ObjectInfo:
     category: str
     printed_name: str
     recipe: Recipe
-    view_deg: tuple[float, float] = (18.0, -62.0)
+    view_deg: tuple[float, float]
 
 
-_EVERYDAY = (
-    ObjectInfo("mug", "everyday", 0.122, "vessel", "", everyday.mug),
-    ObjectInfo("bottle", "everyday", 0.260, "vessel", "", everyday.bottle),
-    ObjectInfo("hammer", "everyday", 0.300, "tool", "", everyday.hammer),
-    ObjectInfo("salt_box", "everyday", 0.140, "package", "", everyday.salt_box),
-    ObjectInfo("cereal_box", "everyday", 0.280, "package", "", everyday.cereal_box),
+_TABLE: tuple[tuple[str, SizeClass, float, str, str, Recipe], ...] = (
+    ("glasses", "large", 0.80, "utensil", "glasses", large.glasses),
+    ("ant", "large", 0.80, "animal", "ant", large.ant),
+    ("chair", "large", 0.80, "furniture", "chair", large.chair),
+    ("fish_large", "large", 0.80, "animal", "fish", large.fish_large),
+    ("bird", "large", 0.80, "animal", "bird", large.bird),
+    ("figure", "large", 0.80, "toy", "monster", large.figure),
+    ("bust", "large", 0.80, "sculpture", "bust", large.bust),
+    ("amphora", "large", 0.80, "vessel", "amphora", large.amphora),
+    ("teapot", "large", 0.80, "vessel", "teapot", large.teapot),
+    ("giraffe", "large", 0.80, "animal", "giraffe", large.giraffe),
+    ("clown", "hand", 0.14, "toy", "clown", hand.clown),
+    ("elephant", "hand", 0.14, "animal", "elephant", hand.elephant),
+    ("fish", "hand", 0.13, "animal", "fish", hand.fish),
+    ("gnome", "hand", 0.27, "toy", "garden_gnome", hand.gnome),
+    ("dog", "hand", 0.22, "animal", "dog", hand.dog),
+    ("sitting_cat", "hand", 0.13, "animal", "sitting_cat", hand.sitting_cat),
+    ("lying_cat", "hand", 0.14, "animal", "lying_cat", hand.lying_cat),
+    ("moon", "hand", 0.12, "toy", "moon", hand.moon),
+    ("seal", "hand", 0.13, "animal", "seal", hand.seal),
+    ("star", "hand", 0.11, "toy", "star", hand.star),
+    ("mug", "everyday", 0.122, "vessel", "", everyday.mug),
+    ("bottle", "everyday", 0.26, "vessel", "", everyday.bottle),
+    ("hammer", "everyday", 0.30, "tool", "", everyday.hammer),
+    ("salt_box", "everyday", 0.14, "package", "", everyday.salt_box),
+    ("cereal_box", "everyday", 0.28, "package", "", everyday.cereal_box),
 )
-_LARGE = (ObjectInfo("teapot", "large", 0.80, "vessel", "teapot", everyday.teapot),)
-_HAND: tuple[ObjectInfo, ...] = ()
-_OBJECTS = {info.name: info for info in (*_LARGE, *_HAND, *_EVERYDAY)}
+#: Elevation and azimuth [deg] for those that the usual view shows badly.
+_VIEWS = {
+    "glasses": (24.0, -28.0),
+    "bird": (42.0, -38.0),
+    "clown": (10.0, -28.0),
+    "ant": (34.0, -38.0),
+}
+_VIEWS |= {"figure": (14.0, -34.0), "gnome": (12.0, -28.0), "bust": (10.0, -30.0)}
+_VIEWS |= {
+    "amphora": (14.0, -12.0),
+    "star": (14.0, -70.0),
+    "moon": (10.0, -72.0),
+    "ant": (34.0, -38.0),
+}
+_USUAL = (16.0, -58.0)
+_OBJECTS = {row[0]: ObjectInfo(*row, _VIEWS.get(row[0], _USUAL)) for row in _TABLE}
 
 
 def object_names(size: SizeClass | None = None) -> list[str]:
