@@ -57,7 +57,15 @@ def plot_hand(
         corners.append(mesh.bounds)
     if frame:
         frame_axes(axes, np.vstack(corners))
+        face_the_palm(axes, pose[:3, :3] @ hand.palm_direction, pose[:3, :3] @ hand.closing_axis)
     return axes
+
+
+def face_the_palm(axes: Any, palm: Floats, closing: Floats) -> None:
+    """Turn 3-D axes so that the palm is seen obliquely from the front."""
+    view = unit(palm * [1, 1, 0] + 0.75 * closing * [1, 1, 0] + [0, 0, 0.35])
+    azimuth = float(np.degrees(np.arctan2(view[1], view[0])))
+    axes.view_init(float(np.degrees(np.arcsin(view[2]))), azimuth)
 
 
 def finger_colours(hand: Hand) -> dict[str, str]:
@@ -74,7 +82,8 @@ def add_mesh(axes: Any, triangles: Any, normals: Any, colour: str, alpha: float 
     from matplotlib.colors import to_rgb
     from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
-    light = 0.55 + 0.45 * np.clip(np.asarray(normals) @ LIGHT, -0.4, 1.0)
+    # half-Lambert: no face is black, neighbours still differ
+    light = 0.45 + 0.55 * (0.5 + 0.5 * np.asarray(normals) @ LIGHT)
     faces = np.clip(np.outer(light, to_rgb(colour)), 0.0, 1.0)
     rgba = np.column_stack([faces, np.full(len(faces), alpha)])
     axes.add_collection3d(
