@@ -176,7 +176,7 @@ def _preshapes(hand: Hand) -> Iterator[Finding]:
 
 
 def closed_configuration(hand: Hand, steps: int = 60) -> Floats:
-    """Joint coordinates (nq,) after closing finger by finger until links touch or limits stop.
+    """Joint coordinates (nq,) after closing finger by finger, its joints alike, until links touch.
 
     Parameters
     ----------
@@ -193,12 +193,12 @@ def closed_configuration(hand: Hand, steps: int = 60) -> Floats:
     check = SelfCollision(hand)
     q = hand.preshapes["power"].copy()
     for finger in hand.fingers[1:] + hand.fingers[:1]:
-        for joint, sign in zip(finger.joints, finger.closing, strict=True):
-            low, high = hand.limits[joint]
-            for _ in range(steps):
-                trial = q.copy()
-                trial[joint] = np.clip(q[joint] + sign * (high - low) / steps, low, high)
-                if trial[joint] == q[joint] or check.collides(trial):
-                    break
-                q = trial
+        start = q[finger.joints]
+        goal = np.where(finger.closing > 0, *hand.limits[finger.joints].T[::-1])
+        for share in np.linspace(0.0, 1.0, steps + 1)[1:]:
+            trial = q.copy()
+            trial[finger.joints] = start + share * (goal - start)
+            if check.collides(trial):
+                break
+            q = trial
     return q

@@ -63,7 +63,8 @@ def plot_hand(
 
 def face_the_palm(axes: Any, palm: Floats, closing: Floats) -> None:
     """Turn 3-D axes so that the palm is seen obliquely from the front."""
-    view = unit(palm * [1, 1, 0] + 0.75 * closing * [1, 1, 0] + [0, 0, 0.35])
+    level = palm * [1, 1, 0] if np.linalg.norm(palm[:2]) > 0.3 else np.cross(closing, palm)
+    view = unit(level + 0.75 * closing * [1, 1, 0] + [0, 0, 0.35])
     azimuth = float(np.degrees(np.arctan2(view[1], view[0])))
     axes.view_init(float(np.degrees(np.arcsin(view[2]))), azimuth)
 
@@ -99,7 +100,7 @@ def frame_axes(axes: Any, points: Floats) -> None:
         getattr(axes, f"set_{letter}lim")(centre - half, centre + half)
         getattr(axes, f"set_{letter}label")(f"{letter} [m]", labelpad=6)
         getattr(axes, f"{letter}axis").set_major_locator(_ticks())
-    axes.set_box_aspect((1, 1, 1))
+    axes.set_box_aspect((1, 1, 1), zoom=0.9)
     axes.tick_params(labelsize=7, pad=1)
 
 
