@@ -197,7 +197,7 @@ def _parts(design: Array, point: Array) -> tuple[Array, Array, Array, Array]:
     low, high = point[:, :1] - eta, point[:, 1:2] - eta
     first, second = _logistic(low), _logistic(high)
     middle = second * _logistic(-low) * -np.expm1(point[:, :1] - point[:, 1:2])
-    return first, second, np.maximum(middle, 1e-300), eta
+    return first, second, np.maximum(middle, 1e-100), eta
 
 
 def _log_likelihood(design: Array, counts: Array, point: Array) -> Array:
@@ -226,7 +226,7 @@ def _derivatives(design: Array, counts: Array, point: Array, ridge: float) -> tu
     s2 = n1 * g2 / middle - n2 * second
     h11 = -n0 * g1 - n1 * (g1 * (1 - 2 * first) / middle + (g1 / middle) ** 2)
     h22 = -n2 * g2 + n1 * (g2 * (1 - 2 * second) / middle - (g2 / middle) ** 2)
-    h12 = n1 * g1 * g2 / middle**2
+    h12 = n1 * (g1 / middle) * (g2 / middle)
     gradient = np.hstack([s1.sum(1, keepdims=True), s2.sum(1, keepdims=True), -(s1 + s2) @ design])
     gap = point[:, 1] - point[:, 0]
     gradient -= ridge * point
