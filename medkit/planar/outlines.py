@@ -101,6 +101,14 @@ class Outline:
         return np.asarray(np.linalg.norm(rest, axis=2).min(axis=1))
 
 
+    def inward_normal_at(self, point: ArrayLike) -> Floats:
+        """Unit normal into the object at the place of the outline nearest to a point, (2,)."""
+        gap = np.asarray(point, dtype=float) - self.starts
+        along = np.clip((gap * self.tangents).sum(axis=1), 0.0, self.lengths)
+        away = np.linalg.norm(gap - along[:, None] * self.tangents, axis=1)
+        return np.asarray(self.inward_normals[int(np.argmin(away))])
+
+
 def _cross(first: Floats, second: Floats) -> Floats:
     return np.asarray(first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0])
 
@@ -235,6 +243,19 @@ class SmoothOutline(Outline):
         wave = np.exp(1j * np.multiply.outer(np.asarray(parameter, dtype=float), k))
         value = wave @ (self.coefficients * (1j * k) ** derivative)
         return np.stack([value.real, value.imag], axis=-1)
+
+
+    def inward_normal_at(self, point: ArrayLike) -> Floats:
+        """Unit normal into the object at the place of the curve nearest to a point, (2,)."""
+        target = np.asarray(point, dtype=float)
+        turn = np.linspace(0.0, 2.0 * np.pi, 2048, endpoint=False)
+        t = turn[int(np.argmin(np.linalg.norm(self.curve(turn) - target, axis=1)))]
+        for _ in range(8):  # Newton on the foot of the perpendicular
+            gap, velocity, bend = (self.curve(t, order) for order in (0, 1, 2))
+            gap = gap - target
+            t = t - (gap @ velocity) / (velocity @ velocity + gap @ bend)
+        velocity = self.curve(t, 1)
+        return np.array([-velocity[1], velocity[0]]) / np.linalg.norm(velocity)
 
 
 def smooth_outline(

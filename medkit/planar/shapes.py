@@ -56,7 +56,8 @@ def triangle(angles_deg: tuple[float, float] = (30.0, 80.0), base: float = 0.08)
 def l_shape(size: float = 0.08, thickness: float = 0.03) -> Outline:
     """L of equal legs: outer length `size` [m], leg width `thickness` [m]."""
     a, t = positive(size, "size", " m"), positive(thickness, "thickness", " m")
-    return outline_from_loops([[0, 0], [a, 0], [a, t], [t, t], [t, a], [0, a]], name="L")
+    corners = np.array([[0.0, 0.0], [a, 0.0], [a, t], [t, t], [t, a], [0.0, a]])
+    return outline_from_loops(corners, name="L")
 
 
 def t_shape(size: float = 0.08, thickness: float = 0.025) -> Outline:
