@@ -11,7 +11,7 @@ import numpy as np
 from medkit.errors import InputError
 from medkit.geometry import Floats
 from medkit.robots.fields import Fields, read_fields, suggestion
-from medkit.robots.hand import Finger, Hand, Ints, LinkBody, Opposition
+from medkit.robots.hand import Finger, Hand, LinkBody, Opposition
 from medkit.robots.parts import (
     KINDS,
     Coupling,
@@ -225,11 +225,13 @@ def build_tree(parts: Parts, actuated: Sequence[str]) -> KinematicTree:
 
 
 def _bodies(parts: Parts) -> tuple[LinkBody, ...]:
-    return tuple(
-        LinkBody(k, *convex_body(points))
-        for k, link in enumerate(parts.links)
-        for points in link.bodies
-    )
+    bodies = []
+    for k, link in enumerate(parts.links):
+        try:
+            bodies += [LinkBody(k, *convex_body(points)) for points in link.bodies]
+        except InputError as error:
+            raise InputError(f"The body of link {link.name!r} cannot be used: {error}") from error
+    return tuple(bodies)
 
 
 def _finger(
@@ -325,8 +327,3 @@ def _mirror_hand(hand: Hand, parts: Parts, rename: dict[str, str]) -> Hand:
             for f in hand.fingers
         ),
     )
-
-
-def body_owner(bodies: Sequence[LinkBody]) -> Ints:
-    """Link index of every body, shape (n,)."""
-    return np.array([body.link for body in bodies], dtype=np.int64)

@@ -6,8 +6,9 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import ConvexHull
+from scipy.spatial import ConvexHull, QhullError
 
+from medkit.errors import InputError
 from medkit.geometry import Floats, unit
 
 #: Edges of a rounded corner's triangle lattice: 10 directions an octant, 80 vertices a box.
@@ -78,9 +79,20 @@ def convex_body(points: ArrayLike) -> tuple[Floats, NDArray[np.int64]]:
         The points on the hull [m].
     faces : ndarray, shape (f, 3)
         Indices into `vertices`, counter-clockwise seen from outside.
+
+    Raises
+    ------
+    InputError
+        If the points span no solid.
     """
     array = np.unique(np.asarray(points, dtype=float).round(9), axis=0)
-    hull = ConvexHull(array)
+    try:
+        hull = ConvexHull(array)
+    except (QhullError, ValueError) as error:
+        raise InputError(
+            f"Expected at least four points of a solid body, but got {len(array)} points that"
+            " span none; give it some thickness."
+        ) from error
     kept, faces = np.unique(hull.simplices, return_inverse=True)
     faces = faces.reshape(hull.simplices.shape)
     vertices = array[kept]

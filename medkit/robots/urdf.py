@@ -211,7 +211,12 @@ def _mesh_points(element: ET.Element, path: Path, package_dirs: Sequence[Path]) 
 
     name = element.get("filename", "")
     file = resolve(name, path.parent, package_dirs)
-    mesh = trimesh.load_mesh(file)
+    try:
+        mesh = trimesh.load_mesh(file)
+    except Exception as error:  # the loaders of the many formats raise whatever they like
+        raise InputError(
+            f"Expected a mesh in {name} of {path.name}, but reading failed: {error}."
+        ) from error
     vertices = np.asarray(mesh.vertices, dtype=np.float64)
     if len(vertices) < 4:
         raise InputError(f"The mesh {name} of {path.name} holds no solid; replace it.")
