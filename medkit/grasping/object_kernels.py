@@ -7,9 +7,7 @@ from numba import njit
 
 
 @njit(cache=True)
-def point_triangle_distance_squared(
-    px: float, py: float, pz: float, triangle: np.ndarray
-) -> float:  # pragma: no cover - compiled
+def point_triangle_distance_squared(px: float, py: float, pz: float, triangle: np.ndarray) -> float:
     """Squared distance [m^2] of a point from a triangle (3, 3), by the triangle's seven regions."""
     ax, ay, az = triangle[0, 0], triangle[0, 1], triangle[0, 2]
     abx, aby, abz = triangle[1, 0] - ax, triangle[1, 1] - ay, triangle[1, 2] - az
@@ -51,7 +49,7 @@ def point_triangle_distance_squared(
 @njit(cache=True)
 def index_range(
     low: float, high: float, origin: float, spacing: float, count: int
-) -> tuple[int, int]:  # pragma: no cover - compiled
+) -> tuple[int, int]:
     """First and one-past-last lattice index between two coordinates, clipped to the lattice."""
     first = int(np.ceil((low - origin) / spacing))
     last = int(np.floor((high - origin) / spacing)) + 1
@@ -61,27 +59,27 @@ def index_range(
 @njit(cache=True)
 def splat_distances(
     triangles: np.ndarray, origin: np.ndarray, spacing: float, band: float, squared: np.ndarray
-) -> None:  # pragma: no cover - compiled
+) -> None:
     """Lower each node of `squared` [m^2] to its distance from every triangle within `band` [m]."""
     for t in range(len(triangles)):
         triangle = triangles[t]
         i0, i1 = index_range(
-            triangle[:, 0].min() - band,
-            triangle[:, 0].max() + band,
+            min(triangle[0, 0], triangle[1, 0], triangle[2, 0]) - band,
+            max(triangle[0, 0], triangle[1, 0], triangle[2, 0]) + band,
             origin[0],
             spacing,
             squared.shape[0],
         )
         j0, j1 = index_range(
-            triangle[:, 1].min() - band,
-            triangle[:, 1].max() + band,
+            min(triangle[0, 1], triangle[1, 1], triangle[2, 1]) - band,
+            max(triangle[0, 1], triangle[1, 1], triangle[2, 1]) + band,
             origin[1],
             spacing,
             squared.shape[1],
         )
         k0, k1 = index_range(
-            triangle[:, 2].min() - band,
-            triangle[:, 2].max() + band,
+            min(triangle[0, 2], triangle[1, 2], triangle[2, 2]) - band,
+            max(triangle[0, 2], triangle[1, 2], triangle[2, 2]) + band,
             origin[2],
             spacing,
             squared.shape[2],
@@ -106,7 +104,7 @@ def list_cell_faces(
     start: np.ndarray,
     listed: np.ndarray,
     fill: bool,
-) -> None:  # pragma: no cover - compiled
+) -> None:
     """Count (into start[c + 1]) or fill the faces that may cross each cell of the lattice.
 
     `triangles` are pieces of faces, the pieces of one face in sequence; a face is listed once a
@@ -114,15 +112,16 @@ def list_cell_faces(
     """
     half = 0.5 * spacing
     reach = 3.0 * half * half * (1.0 + 1e-9)
-    last = np.full(shape[0] * shape[1] * shape[2], -1, np.int32)
+    last = np.zeros(shape[0] * shape[1] * shape[2], np.int32)
+    low = np.zeros(3, np.int64)
+    high = np.zeros(3, np.int64)
     for t in range(len(triangles)):
         triangle = triangles[t]
-        low = np.empty(3, np.int64)
-        high = np.empty(3, np.int64)
         for a in range(3):
-            low[a] = max(int(np.floor((triangle[:, a].min() - origin[a]) / spacing)), 0)
-            top = int(np.floor((triangle[:, a].max() - origin[a]) / spacing)) + 1
-            high[a] = min(top, shape[a])
+            least = min(triangle[0, a], triangle[1, a], triangle[2, a]) - origin[a]
+            most = max(triangle[0, a], triangle[1, a], triangle[2, a]) - origin[a]
+            low[a] = max(int(np.floor(least / spacing)), 0)
+            high[a] = min(int(np.floor(most / spacing)) + 1, shape[a])
         for i in range(low[0], high[0]):
             x = origin[0] + i * spacing + half
             for j in range(low[1], high[1]):
@@ -130,11 +129,11 @@ def list_cell_faces(
                 for k in range(low[2], high[2]):
                     z = origin[2] + k * spacing + half
                     cell = (i * shape[1] + j) * shape[2] + k
-                    if last[cell] == faces[t]:
+                    if last[cell] == faces[t] + 1:
                         continue
                     if point_triangle_distance_squared(x, y, z, triangle) > reach:
                         continue
-                    last[cell] = faces[t]
+                    last[cell] = faces[t] + 1
                     if fill:
                         listed[start[cell]] = faces[t]
                         start[cell] += 1

@@ -1,0 +1,355 @@
+"""Compiled tests of one convex body: clearance from the lattice, hits on the triangles.
+
+`field` is an `ObjectField`, `hand` a `ClosingHand`, `work` a `Workspace`; poses are (4, 4) maps
+from a link's frame into the object's.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+#: Compiled for other kernels only: without the wrappers for Python, which cost compile time.
+inner = njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+#: Lattice values are off by at most this many spacings between nodes (half a cell's diagonal).
+SLACK = float(np.sqrt(3.0) / 2.0) * (1.0 + 1e-6)
+#: Largest polygon that clipping a triangle by a body can leave.
+POLYGON = 192
+
+
+class Workspace(NamedTuple):
+    """Scratch arrays of one closing loop; build with `workspace`."""
+
+    stamps: np.ndarray
+    counter: np.ndarray
+    faces: np.ndarray
+    polygon: np.ndarray
+    spare: np.ndarray
+    local: np.ndarray
+    poses: np.ndarray
+    at_joint: np.ndarray
+    motion: np.ndarray
+    near: np.ndarray
+    bound: np.ndarray
+    slope: np.ndarray
+
+
+def workspace(field: Any, hand: Any) -> Workspace:
+    """Scratch arrays for one object and one hand."""
+    faces = len(field.triangles)
+    return Workspace(
+        stamps=np.zeros(faces, dtype=np.int64),
+        counter=np.zeros(1, dtype=np.int64),
+        faces=np.zeros(faces, dtype=np.int64),
+        polygon=np.zeros((POLYGON, 3)),
+        spare=np.zeros((POLYGON, 3)),
+        local=np.zeros((3, 3)),
+        poses=np.zeros((len(hand.parent), 4, 4)),
+        at_joint=np.zeros((4, 4)),
+        motion=np.zeros((4, 4)),
+        near=np.zeros(len(hand.body_link), dtype=np.bool_),
+        bound=np.zeros((3, 2)),
+        slope=np.zeros(len(hand.planes)),
+    )
+
+
+@inner
+def lattice_clearance(field: Any, x: float, y: float, z: float) -> float:
+    """Distance [m] that the surface keeps from a point at the least."""
+    shape = field.distances.shape
+    h = field.spacing
+    u = (x - field.origin[0]) / h
+    v = (y - field.origin[1]) / h
+    w = (z - field.origin[2]) / h
+    a = min(max(u, 0.0), shape[0] - 1.000001)
+    b = min(max(v, 0.0), shape[1] - 1.000001)
+    c = min(max(w, 0.0), shape[2] - 1.000001)
+    outside = (u - a) ** 2 + (v - b) ** 2 + (w - c) ** 2
+    if outside > 1e-6:
+        # The lattice reaches well beyond the object: the way to its border is a lower bound.
+        return h * np.sqrt(outside)
+    i, j, k = int(a), int(b), int(c)
+    a, b, c = a - i, b - j, c - k
+    d = field.distances
+    low = (d[i, j, k] * (1 - c) + d[i, j, k + 1] * c) * (1 - b) + (
+        d[i, j + 1, k] * (1 - c) + d[i, j + 1, k + 1] * c
+    ) * b
+    high = (d[i + 1, j, k] * (1 - c) + d[i + 1, j, k + 1] * c) * (1 - b) + (
+        d[i + 1, j + 1, k] * (1 - c) + d[i + 1, j + 1, k + 1] * c
+    ) * b
+    return low * (1 - a) + high * a - SLACK * h
+
+
+@inner
+def moved(pose: np.ndarray, points: np.ndarray, row: int) -> tuple[float, float, float]:
+    """One of many points (n, 3), moved by a pose."""
+    p, q, r = points[row, 0], points[row, 1], points[row, 2]
+    return (
+        pose[0, 0] * p + pose[0, 1] * q + pose[0, 2] * r + pose[0, 3],
+        pose[1, 0] * p + pose[1, 1] * q + pose[1, 2] * r + pose[1, 3],
+        pose[2, 0] * p + pose[2, 1] * q + pose[2, 2] * r + pose[2, 3],
+    )
+
+
+@inner
+def body_clearance(field: Any, hand: Any, body: int, pose: np.ndarray, enough: float) -> float:
+    """Distance [m] that the object's surface keeps from a body's surface at the least.
+
+    Stops early once it is known to be below zero; values above `enough` need not be exact.
+    """
+    best = enough
+    for g in range(hand.group_start[body], hand.group_start[body + 1]):
+        x, y, z = moved(pose, hand.group_center, g)
+        slack = hand.group_radius[g] + hand.cover[body]
+        if lattice_clearance(field, x, y, z) - slack >= best:
+            continue
+        for s in range(hand.sample_start[g], hand.sample_start[g + 1]):
+            x, y, z = moved(pose, hand.samples, s)
+            value = lattice_clearance(field, x, y, z) - hand.cover[body]
+            if value < best:
+                best = value
+        if best <= 0.0:
+            return best
+    return best
+
+
+@inner
+def deepest_inside(field: Any, hand: Any, body: int, pose: np.ndarray) -> float:
+    """Depth [m] that some sample of a body surely has inside the object, 0 if none surely is."""
+    shape = field.distances.shape
+    deepest = 0.0
+    for s in range(
+        hand.sample_start[hand.group_start[body]], hand.sample_start[hand.group_start[body + 1]]
+    ):
+        x, y, z = moved(pose, hand.samples, s)
+        i = round((x - field.origin[0]) / field.spacing)
+        j = round((y - field.origin[1]) / field.spacing)
+        k = round((z - field.origin[2]) / field.spacing)
+        if 0 <= i < shape[0] and 0 <= j < shape[1] and 0 <= k < shape[2] and field.inside[i, j, k]:
+            known = field.distances[i, j, k] - SLACK * field.spacing
+            # Too near the surface to know the depth: a small certain step out instead.
+            deepest = max(deepest, known, 0.2 * field.spacing)
+    return deepest
+
+
+@inner
+def to_link(pose: np.ndarray, triangle: np.ndarray, local: np.ndarray) -> None:
+    """Write a triangle (3, 3) of the object into `local`, in a link's frame."""
+    for v in range(3):
+        dx = triangle[v, 0] - pose[0, 3]
+        dy = triangle[v, 1] - pose[1, 3]
+        dz = triangle[v, 2] - pose[2, 3]
+        for a in range(3):
+            local[v, a] = pose[0, a] * dx + pose[1, a] * dy + pose[2, a] * dz
+
+
+@inner
+def clip_to_body(hand: Any, body: int, local: np.ndarray, margin: float, work: Any) -> int:
+    """Part of a triangle inside a body grown by `margin` [m]; its corners are in `work.polygon`.
+
+    Returns the number of corners, 0 when triangle and body are apart.
+    """
+    first, last = hand.plane_start[body], hand.plane_start[body + 1]
+    planes = hand.planes
+    cut = False
+    for f in range(first, last):
+        n0, n1, n2, d = planes[f, 0], planes[f, 1], planes[f, 2], planes[f, 3] + margin
+        out = 0
+        for v in range(3):
+            if n0 * local[v, 0] + n1 * local[v, 1] + n2 * local[v, 2] > d:
+                out += 1
+        if out == 3:
+            return 0
+        if out > 0:
+            cut = True
+    polygon, spare = work.polygon, work.spare
+    for v in range(3):
+        for a in range(3):
+            polygon[v, a] = local[v, a]
+    count = 3
+    swapped = False
+    if not cut:
+        return count
+    for f in range(first, last):
+        n0, n1, n2, d = planes[f, 0], planes[f, 1], planes[f, 2], planes[f, 3] + margin
+        kept = 0
+        for v in range(count):
+            w = v + 1 if v + 1 < count else 0
+            hp = n0 * polygon[v, 0] + n1 * polygon[v, 1] + n2 * polygon[v, 2] - d
+            hq = n0 * polygon[w, 0] + n1 * polygon[w, 1] + n2 * polygon[w, 2] - d
+            if hp <= 0.0:
+                for a in range(3):
+                    spare[kept, a] = polygon[v, a]
+                kept += 1
+            if (hp < 0.0 and hq > 0.0) or (hp > 0.0 and hq < 0.0):
+                t = hp / (hp - hq)
+                for a in range(3):
+                    spare[kept, a] = polygon[v, a] + t * (polygon[w, a] - polygon[v, a])
+                kept += 1
+        if kept == 0:
+            return 0
+        polygon, spare = spare, polygon
+        swapped = not swapped
+        count = min(kept, POLYGON - 2)
+    if swapped:
+        for v in range(count):
+            for a in range(3):
+                work.polygon[v, a] = polygon[v, a]
+    return count
+
+
+@inner
+def slab_interval(
+    start: float, slope: float, low: float, high: float, first: float, last: float
+) -> tuple[float, float]:
+    """Part of [first, last] where start + slope * t lies in [low, high]; empty if reversed."""
+    if abs(slope) < 1e-12:
+        if start < low or start > high:
+            return 1.0, 0.0
+        return first, last
+    a = (low - start) / slope
+    b = (high - start) / slope
+    return max(first, min(a, b)), min(last, max(a, b))
+
+
+@inner
+def collect_faces(
+    field: Any, hand: Any, body: int, pose: np.ndarray, reach: float, work: Any
+) -> int:
+    """Faces that may come within `reach` [m] of a body's box, into `work.faces`; how many."""
+    h = field.spacing
+    low, high, ball = hand.box_low, hand.box_high, hand.ball_center
+    bound = work.bound
+    cells = (
+        field.distances.shape[0] - 1,
+        field.distances.shape[1] - 1,
+        field.distances.shape[2] - 1,
+    )
+    for a in range(3):
+        middle = (
+            pose[a, 0] * ball[body, 0]
+            + pose[a, 1] * ball[body, 1]
+            + pose[a, 2] * ball[body, 2]
+            + pose[a, 3]
+        )
+        half = reach
+        for b in range(3):
+            half += abs(pose[a, b]) * 0.5 * (high[body, b] - low[body, b])
+        bound[a, 0] = max(np.floor((middle - half - field.origin[a]) / h), 0.0)
+        bound[a, 1] = min(np.floor((middle + half - field.origin[a]) / h), cells[a] - 1.0)
+    work.counter[0] += 1
+    stamp = work.counter[0]
+    grown = reach + SLACK * h
+    found = 0
+    for i in range(int(bound[0, 0]), int(bound[0, 1]) + 1):
+        dx = field.origin[0] + (i + 0.5) * h - pose[0, 3]
+        for j in range(int(bound[1, 0]), int(bound[1, 1]) + 1):
+            dy = field.origin[1] + (j + 0.5) * h - pose[1, 3]
+            dz = field.origin[2] + 0.5 * h - pose[2, 3]
+            k0, k1 = bound[2, 0], bound[2, 1]
+            for a in range(3):
+                start = pose[0, a] * dx + pose[1, a] * dy + pose[2, a] * dz
+                k0, k1 = slab_interval(
+                    start, pose[2, a] * h, low[body, a] - grown, high[body, a] + grown, k0, k1
+                )
+            for k in range(int(np.ceil(k0)), int(np.floor(k1)) + 1):
+                cell = (i * cells[1] + j) * cells[2] + k
+                for e in range(field.cell_start[cell], field.cell_start[cell + 1]):
+                    face = field.cell_faces[e]
+                    if work.stamps[face] != stamp:
+                        work.stamps[face] = stamp
+                        if _ball_meets_box(field, hand, face, body, pose, reach):
+                            work.faces[found] = face
+                            found += 1
+    return found
+
+
+@inner
+def _ball_meets_box(
+    field: Any, hand: Any, face: int, body: int, pose: np.ndarray, reach: float
+) -> bool:
+    """Whether the ball around a face comes within `reach` of a body's box, axis by axis."""
+    dx = field.centers[face, 0] - pose[0, 3]
+    dy = field.centers[face, 1] - pose[1, 3]
+    dz = field.centers[face, 2] - pose[2, 3]
+    grown = field.radii[face] + reach
+    for a in range(3):
+        value = pose[0, a] * dx + pose[1, a] * dy + pose[2, a] * dz
+        if value < hand.box_low[body, a] - grown or value > hand.box_high[body, a] + grown:
+            return False
+    return True
+
+
+@inner
+def body_hits_object(field: Any, hand: Any, body: int, pose: np.ndarray, work: Any) -> bool:
+    """Whether some triangle of the object and a body share a point; exact."""
+    found = collect_faces(field, hand, body, pose, 0.0, work)
+    for e in range(found):
+        to_link(pose, field.triangles[work.faces[e]], work.local)
+        if clip_to_body(hand, body, work.local, 0.0, work) > 0:
+            return True
+    return False
+
+
+@njit(cache=True)
+def bodies_gap(
+    hand: Any, a: int, pose_a: np.ndarray, b: int, pose_b: np.ndarray, enough: float
+) -> float:
+    """Least height [m] of samples of each body over the other's planes; `enough` when beyond."""
+    best = enough
+    for turn in range(2):
+        one, other, pose_one, pose_other = (a, b, pose_a, pose_b)
+        if turn == 1:
+            one, other, pose_one, pose_other = (b, a, pose_b, pose_a)
+        for g in range(hand.group_start[one], hand.group_start[one + 1]):
+            height = _height(
+                hand, other, pose_one, pose_other, hand.group_center, g, best + hand.group_radius[g]
+            )
+            if height - hand.group_radius[g] >= best:
+                continue
+            for s in range(hand.sample_start[g], hand.sample_start[g + 1]):
+                height = _height(hand, other, pose_one, pose_other, hand.samples, s, best)
+                if height < best:
+                    best = height
+    return best
+
+
+@inner
+def _height(
+    hand: Any,
+    body: int,
+    pose_from: np.ndarray,
+    pose_to: np.ndarray,
+    points: np.ndarray,
+    row: int,
+    enough: float,
+) -> float:
+    """Largest height of a point of one link over the planes of a body of another link."""
+    dx, dy, dz = moved(pose_from, points, row)
+    dx, dy, dz = dx - pose_to[0, 3], dy - pose_to[1, 3], dz - pose_to[2, 3]
+    x = pose_to[0, 0] * dx + pose_to[1, 0] * dy + pose_to[2, 0] * dz
+    y = pose_to[0, 1] * dx + pose_to[1, 1] * dy + pose_to[2, 1] * dz
+    z = pose_to[0, 2] * dx + pose_to[1, 2] * dy + pose_to[2, 2] * dz
+    top = -1e9
+    planes = hand.planes
+    for f in range(hand.plane_start[body], hand.plane_start[body + 1]):
+        height = planes[f, 0] * x + planes[f, 1] * y + planes[f, 2] * z - planes[f, 3]
+        if height > top:
+            top = height
+            if top >= enough:
+                return top
+    return top
+
+
+@inner
+def balls_gap(hand: Any, a: int, pose_a: np.ndarray, b: int, pose_b: np.ndarray) -> float:
+    """Gap [m] between the balls around two bodies."""
+    squared = 0.0
+    for i in range(3):
+        d = pose_a[i, 3] - pose_b[i, 3]
+        for j in range(3):
+            d += pose_a[i, j] * hand.ball_center[a, j] - pose_b[i, j] * hand.ball_center[b, j]
+        squared += d * d
+    return np.sqrt(squared) - hand.ball_radius[a] - hand.ball_radius[b]

@@ -1,0 +1,261 @@
+"""From local symmetry to candidate grasps, with every sphere's fate (P13 4.4)."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, replace
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import NDArray
+
+from medkit.errors import InputError
+from medkit.geometry import Floats, nonnegative, perpendicular, positive, unit
+from medkit.grasping.filters import MIN_OBJECT_ANGLE
+from medkit.grasping.grid import MedialSphereGrid
+from medkit.grasping.medial import MedialAxis
+from medkit.grasping.special_solids import ball_directions, opposing_chords
+from medkit.grasping.symmetry import LocalSymmetry, SymmetryKind, local_symmetry
+
+Ints = NDArray[np.int64]
+
+#: P13 5.1.3: approach directions around a symmetry axis.
+AXIS_STEPS = 4
+#: A sphere without enough neighbours counts as dominant from this share of the largest radius.
+DOMINANT_RATIO = 0.9
+
+
+class SphereFate(IntEnum):
+    """What became of a medial sphere on the way to candidate grasps."""
+
+    AXIS = 0  # on a local symmetry axis: candidates around it
+    RIM = 1  # on the rim of a symmetry sheet: candidates across it
+    INSIDE_SHEET = 2  # inside a sheet: out of reach, no candidates (P13 4.4.3)
+    TOO_FEW_NEIGHBORS = 3
+    OBJECT_ANGLE_TOO_SMALL = 4  # edges and corners rather than thickness (P13 4.2.3)
+    BELOW_RADIUS_RATIO = 5  # surface detail (P13 4.2.4)
+    TOO_LARGE_FOR_HAND = 6
+    TOO_SMALL_FOR_HAND = 7
+    BALL = 8  # a single ball: directions from all around (P13 4.4.4)
+    DOMINANT_SPHERE = 9  # touches opposing faces: directions across its chords (P13 4.4.4)
+    REPRESENTED = 10  # coincides with a ball or dominant sphere that stands for it
+
+
+@dataclass(frozen=True)
+class CandidateGrasps:
+    """Candidates as a struct of arrays, and the fate of every medial sphere.
+
+    Attributes
+    ----------
+    grasp_point : ndarray, shape (n, 3)
+        Point that the hand reaches for, in the object frame [m].
+    approach : ndarray, shape (n, 3)
+        Unit direction in which the hand moves, towards the object.
+    closing_axis : ndarray, shape (n, 3)
+        Unit axis about which the fingers close, at right angles to the approach.
+    sphere : ndarray of int, shape (n,)
+        Row of the medial axis that the candidate is from, -1 for none.
+    kind : ndarray of int8, shape (n,)
+        `SphereFate` of that sphere.
+    radius : ndarray, shape (n,)
+        Its radius [m].
+    fate : ndarray of int8, shape (s,)
+        `SphereFate` of every sphere of the medial axis.
+    """
+
+    grasp_point: Floats
+    approach: Floats
+    closing_axis: Floats
+    sphere: Ints
+    kind: NDArray[np.int8]
+    radius: Floats
+    fate: NDArray[np.int8]
+
+    def __len__(self) -> int:
+        return len(self.grasp_point)
+
+    def select(self, rows: NDArray) -> CandidateGrasps:
+        """The candidates in `rows` (indices or mask); the fates stay."""
+        return replace(
+            self,
+            **{
+                name: getattr(self, name)[rows]
+                for name in ("grasp_point", "approach", "closing_axis", "sphere", "kind", "radius")
+            },
+        )
+
+    def fate_counts(self) -> dict[str, int]:
+        """How many spheres had each fate, by name in small letters; they add up to all spheres."""
+        counted = Counter(self.fate.tolist())
+        return {SphereFate(value).name.lower(): n for value, n in sorted(counted.items())}
+
+
+def candidates_from_axis(
+    axis: MedialAxis,
+    *,
+    search_radius: float,
+    min_radius_ratio: float = 0.0,
+    hand_radii: tuple[float, float] = (0.0, np.inf),
+    min_object_angle: float = MIN_OBJECT_ANGLE,
+    axis_steps: int = AXIS_STEPS,
+) -> CandidateGrasps:
+    """Candidate grasps of an object from its medial axis (P13 4.2 to 4.4, algorithms 1 to 3).
+
+    Parameters
+    ----------
+    axis : MedialAxis
+        All spheres of the object.
+    search_radius : float
+        Radius of the neighbourhoods of the symmetry analysis, P13's r_N [m].
+    min_radius_ratio : float
+        Spheres below this share of the largest radius are dropped as surface detail [1].
+    hand_radii : (float, float)
+        Smallest and largest sphere that the hand can hold [m]. They limit the candidates, not
+        the symmetry analysis (P13 4.3).
+    min_object_angle : float
+        Least object angle [rad].
+    axis_steps : int
+        Approach directions around a symmetry axis.
+
+    Returns
+    -------
+    CandidateGrasps
+        In the order of the spheres; empty when no sphere serves.
+
+    Raises
+    ------
+    InputError
+        If a parameter is out of range.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from medkit.grasping import medial_axis
+    >>> axis = medial_axis(trimesh.creation.capsule(0.2, 0.02))
+    >>> found = candidates_from_axis(axis, search_radius=0.03)
+    >>> bool((abs(found.closing_axis[:, 2]) > 0.99).all())  # along the capsule
+    True
+    """
+    positive(search_radius, "search_radius", " m")
+    ratio = nonnegative(min_radius_ratio, "min_radius_ratio")
+    if ratio > 1.0:
+        raise InputError(
+            f"Expected min_radius_ratio between 0 and 1, but got {ratio:g}; it is a share of the"
+            " largest radius."
+        )
+    if axis_steps < 1:
+        raise InputError(f"Expected at least one axis step, but got {axis_steps}; P13 takes 4.")
+    fate = np.full(len(axis.centers), SphereFate.TOO_FEW_NEIGHBORS, dtype=np.int8)
+    narrow = axis.object_angles < min_object_angle - 1e-9
+    small = axis.radii < ratio * axis.radii.max(initial=0.0)
+    fate[small] = SphereFate.BELOW_RADIUS_RATIO
+    fate[narrow] = SphereFate.OBJECT_ANGLE_TOO_SMALL
+    kept = np.flatnonzero(~narrow & ~small)
+    if not len(kept):
+        return _joined([], axis, fate)
+    part = axis.select(kept)
+    symmetry = local_symmetry(MedialSphereGrid.from_axis(part), search_radius)
+    fate[kept] = _fates(part, symmetry, axis.radii.max(), hand_radii)
+    solids = _special_solids(part, fate, kept, search_radius)
+    parts = [
+        _around_axes(
+            part, symmetry, kept, np.flatnonzero(fate[kept] == SphereFate.AXIS), axis_steps
+        ),
+        _across_rims(part, symmetry, kept, np.flatnonzero(fate[kept] == SphereFate.RIM)),
+        *solids,
+    ]
+    return _joined(parts, axis, fate)
+
+
+Rows = tuple[Ints, Floats, Floats]  # sphere, approach, closing axis
+
+
+def _fates(
+    part: MedialAxis, symmetry: LocalSymmetry, largest: float, hand_radii: tuple[float, float]
+) -> NDArray[np.int8]:
+    """Fates of the spheres that the symmetry analysis saw; POINT and dominant ones as BALL."""
+    names = {
+        SymmetryKind.AXIS: SphereFate.AXIS,
+        SymmetryKind.RIM: SphereFate.RIM,
+        SymmetryKind.INTERIOR: SphereFate.INSIDE_SHEET,
+        SymmetryKind.TOO_FEW: SphereFate.TOO_FEW_NEIGHBORS,
+        SymmetryKind.POINT: SphereFate.BALL,
+    }
+    table = np.array([names[kind] for kind in SymmetryKind], dtype=np.int8)
+    fate = table[symmetry.kind]
+    dominant = (symmetry.kind == SymmetryKind.TOO_FEW) & (part.radii >= DOMINANT_RATIO * largest)
+    fate[dominant] = SphereFate.BALL
+    serves = np.isin(fate, [SphereFate.AXIS, SphereFate.RIM, SphereFate.BALL])
+    fate[serves & (part.radii > hand_radii[1])] = SphereFate.TOO_LARGE_FOR_HAND
+    fate[serves & (part.radii < hand_radii[0])] = SphereFate.TOO_SMALL_FOR_HAND
+    return fate
+
+
+def _around_axes(
+    part: MedialAxis, symmetry: LocalSymmetry, kept: Ints, rows: Ints, steps: int
+) -> Rows:
+    """Directions evenly around each axis, closing axis along it and against it (P13 4.4.1).
+
+    The first direction is that of a touch point: on a prism the palm then faces a side, not an
+    edge (P13 4.4.4), and the candidates turn with the object.
+    """
+    axis = symmetry.e1[rows]
+    first = part.touch_points[rows, 0] - part.centers[rows]
+    first -= np.einsum("ij,ij->i", first, axis)[:, None] * axis
+    short = np.linalg.norm(first, axis=1) < 1e-3 * part.radii[rows]
+    first[short] = perpendicular(axis[short])
+    first = unit(first)
+    second = np.cross(axis, first)
+    angles = 2.0 * np.pi * np.arange(steps) / steps
+    approach = np.cos(angles)[:, None] * first[:, None] + np.sin(angles)[:, None] * second[:, None]
+    approach = np.repeat(approach, 2, axis=1).reshape(-1, 3)
+    closing = np.tile(np.stack([axis, -axis], axis=1), (1, steps, 1)).reshape(-1, 3)
+    return np.repeat(kept[rows], 2 * steps), approach, closing
+
+
+def _across_rims(part: MedialAxis, symmetry: LocalSymmetry, kept: Ints, rows: Ints) -> Rows:
+    """From outside across the rim, towards the centroid of the neighbourhood (P13 4.4.2)."""
+    inwards = np.einsum("ij,ij->i", symmetry.e2[rows], symmetry.centroid[rows] - part.centers[rows])
+    approach = np.where(inwards < 0.0, -1.0, 1.0)[:, None] * symmetry.e2[rows]
+    rim = symmetry.e1[rows]
+    closing = np.stack([rim, -rim], axis=1).reshape(-1, 3)
+    return np.repeat(kept[rows], 2), np.repeat(approach, 2, axis=0), closing
+
+
+def _special_solids(
+    part: MedialAxis, fate: NDArray[np.int8], kept: Ints, search_radius: float
+) -> list[Rows]:
+    """One sphere for each heap of coinciding ones, as a ball or by its opposing touch points."""
+    parts: list[Rows] = []
+    left = kept[fate[kept] == SphereFate.BALL]
+    row_of = {int(sphere): row for row, sphere in enumerate(kept)}
+    while len(left):
+        rows = np.array([row_of[int(sphere)] for sphere in left])
+        first = rows[np.lexsort((rows, -part.object_angles[rows].round(6)))[0]]
+        away = np.linalg.norm(part.centers[rows] - part.centers[first], axis=1)
+        heap = rows[away <= search_radius]
+        fate[kept[heap]] = SphereFate.REPRESENTED
+        touch = part.touch_points[heap].reshape(-1, 3)
+        chords = opposing_chords(touch - part.centers[first], part.radii[first])
+        fate[kept[first]] = SphereFate.DOMINANT_SPHERE if len(chords) else SphereFate.BALL
+        approach, closing = ball_directions(chords)
+        parts.append((np.full(len(approach), kept[first]), approach, closing))
+        left = left[away > search_radius]
+    return parts
+
+
+def _joined(parts: list[Rows], axis: MedialAxis, fate: NDArray[np.int8]) -> CandidateGrasps:
+    if not parts:
+        parts = [(np.zeros(0, dtype=np.int64), np.zeros((0, 3)), np.zeros((0, 3)))]
+    sphere, approach, closing = (np.concatenate(column) for column in zip(*parts, strict=True))
+    order = np.argsort(sphere, kind="stable")
+    sphere = sphere[order]
+    return CandidateGrasps(
+        grasp_point=axis.centers[sphere],
+        approach=approach[order],
+        closing_axis=closing[order],
+        sphere=sphere,
+        kind=fate[sphere],
+        radius=axis.radii[sphere],
+        fate=fate,
+    )

@@ -1,0 +1,279 @@
+"""A hand as the closing kernels take it: planes, surface samples and lever arms of its bodies."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import ConvexHull
+from scipy.stats import qmc
+
+from medkit.geometry import Floats, unit
+from medkit.grasping.body_kernels import bodies_gap
+from medkit.robots.hand import Hand, LinkBody
+
+Ints = NDArray[np.int64]
+
+#: Spacing of the samples on a body's surface [m].
+SAMPLE_SPACING = 0.003
+#: Most samples in one group.
+GROUP_SIZE = 24
+#: Pairs of bodies that never come closer than this in the probed configurations are dropped [m].
+NEVER_NEAR, PROBES = 0.004, 400
+
+
+class ClosingHand(NamedTuple):
+    """A hand prepared for closing (arrays only, so that kernels take it).
+
+    The first seven arrays are those of `KinematicTree`. Of body b: ``planes[plane_start[b]:...]``
+    are outward planes ``n . x <= d`` in its link's frame [m], largest face first; ``samples``
+    cover its surface to within ``cover[b]`` [m], in groups with a ball each. Of closing step k:
+    coordinate ``joint[k]`` moves with ``closing[k]``, and with it the links ``moved_link`` and
+    the bodies ``moved_body``, whose points travel at most ``lever`` [m/rad or 1] per unit.
+    """
+
+    parent: Ints
+    placement: Floats
+    axis: Floats
+    kind: Ints
+    coordinate: Ints
+    multiplier: Floats
+    offset: Floats
+    body_link: Ints
+    plane_start: Ints
+    planes: Floats
+    box_low: Floats
+    box_high: Floats
+    ball_center: Floats
+    ball_radius: Floats
+    width: Floats
+    cover: Floats
+    group_start: Ints
+    group_center: Floats
+    group_radius: Floats
+    sample_start: Ints
+    samples: Floats
+    partner_start: Ints
+    partner: Ints
+    limits: Floats
+    preshape: Floats
+    joint: Ints
+    closing: Floats
+    moved_link_start: Ints
+    moved_link: Ints
+    moved_body_start: Ints
+    moved_body: Ints
+    lever: Floats
+
+
+def closing_hand(
+    hand: Hand, *, preshape: str = "power", finger_order: tuple[str, ...] | None = None
+) -> ClosingHand:
+    """Prepare a hand for closing finger by finger, joint by joint from palm to tip (P13 4.6.2).
+
+    Parameters
+    ----------
+    hand : Hand
+        The hand.
+    preshape : str
+        Preshape from which it closes.
+    finger_order : tuple of str, optional
+        Names of the fingers in the order in which they close; the hand's own when left out.
+
+    Returns
+    -------
+    ClosingHand
+        Arrays for the kernels.
+
+    Examples
+    --------
+    >>> from medkit.robots import load_hand
+    >>> len(closing_hand(load_hand("armar3")).joint)
+    10
+    """
+    shapes = [_body_shape(body) for body in hand.bodies]
+    samples = [_surface_groups(body) for body in hand.bodies]
+    groups = [group for body_groups, _ in samples for group in body_groups]
+    centers = np.array([0.5 * (g.min(axis=0) + g.max(axis=0)) for g in groups])
+    radii = [
+        float(np.linalg.norm(g - c, axis=1).max()) for g, c in zip(groups, centers, strict=True)
+    ]
+    steps = _closing_steps(hand, finger_order)
+    built = ClosingHand(
+        # copies: kernels are compiled for writable arrays
+        *(array.copy() for array in hand.tree.arrays),
+        body_link=np.array([body.link for body in hand.bodies], dtype=np.int64),
+        plane_start=_starts([len(planes) for planes, _ in shapes]),
+        planes=np.vstack([planes for planes, _ in shapes]),
+        box_low=np.array([body.vertices.min(axis=0) for body in hand.bodies]),
+        box_high=np.array([body.vertices.max(axis=0) for body in hand.bodies]),
+        ball_center=np.array([_box_center(body) for body in hand.bodies]),
+        ball_radius=np.array([_reach(body, _box_center(body)) for body in hand.bodies]),
+        width=np.array([width for _, width in shapes]),
+        cover=np.array([cover for _, cover in samples]),
+        group_start=_starts([len(body_groups) for body_groups, _ in samples]),
+        group_center=centers,
+        group_radius=np.array(radii),
+        sample_start=_starts([len(group) for group in groups]),
+        samples=np.vstack(groups),
+        partner_start=np.zeros(len(hand.bodies) + 1, dtype=np.int64),
+        partner=np.zeros(0, dtype=np.int64),
+        limits=np.array(hand.limits, dtype=float),
+        preshape=np.array(hand.preshapes[preshape], dtype=float),
+        **steps,
+    )
+    start, partner = _partners(hand, built)
+    return built._replace(partner_start=start, partner=partner)
+
+
+def _starts(counts: list[int]) -> Ints:
+    return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+
+
+def _box_center(body: LinkBody) -> Floats:
+    return np.asarray(0.5 * (body.vertices.min(axis=0) + body.vertices.max(axis=0)))
+
+
+def _reach(body: LinkBody, point: Floats) -> float:
+    return float(np.linalg.norm(body.vertices - point, axis=1).max())
+
+
+def _body_shape(body: LinkBody) -> tuple[Floats, float]:
+    """Distinct planes of a body, largest face first, and its least width [m]."""
+    hull = ConvexHull(body.vertices)
+    corners = body.vertices[hull.simplices]
+    areas = 0.5 * np.linalg.norm(
+        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
+    )
+    planes, member = np.unique(hull.equations.round(9), axis=0, return_inverse=True)
+    total = np.bincount(member.ravel(), weights=areas, minlength=len(planes))
+    planes = planes[np.argsort(-total, kind="stable")]
+    planes = np.column_stack([planes[:, :3], -planes[:, 3]])
+    spans = body.vertices @ planes[:, :3].T
+    return planes, float((spans.max(axis=0) - spans.min(axis=0)).min())
+
+
+def _surface_groups(body: LinkBody) -> tuple[list[Floats], float]:
+    """Samples of a body's surface in compact groups, and how far a point can be from one [m]."""
+    import trimesh
+
+    vertices, faces = trimesh.remesh.subdivide_to_size(
+        body.vertices, body.faces, max_edge=0.5 * SAMPLE_SPACING, max_iter=20
+    )
+    corners = vertices[faces]
+    between = np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2).max()
+    samples, spread = _thinned(vertices, SAMPLE_SPACING)
+    return _halved(samples), float(between) + spread
+
+
+def _thinned(points: Floats, spacing: float) -> tuple[Floats, float]:
+    """Keep in each cell of a lattice the point nearest to the others; and the longest way to it."""
+    _, cell = np.unique(np.floor(points / spacing), axis=0, return_inverse=True)
+    cell = cell.ravel()
+    counts = np.bincount(cell)
+    means = np.column_stack([np.bincount(cell, weights=column) / counts for column in points.T])
+    off = np.linalg.norm(points - means[cell], axis=1)
+    order = np.lexsort((off, cell))
+    kept = points[order[np.concatenate([[True], np.diff(cell[order]) > 0])]]
+    return kept, float(np.linalg.norm(points - kept[cell], axis=1).max())
+
+
+def _halved(points: Floats) -> list[Floats]:
+    """Halve a set of points across its longest extent until each part is small enough."""
+    if len(points) <= GROUP_SIZE:
+        return [points]
+    order = np.argsort(points[:, np.ptp(points, axis=0).argmax()], kind="stable")
+    half = len(points) // 2
+    return _halved(points[order[:half]]) + _halved(points[order[half:]])
+
+
+def _closing_steps(hand: Hand, finger_order: tuple[str, ...] | None) -> dict[str, NDArray]:
+    """Joints in closing order with what they move and how far."""
+    fingers = [hand.finger(name) for name in finger_order] if finger_order else hand.fingers
+    rows = [
+        (int(joint), float(sign), links, bodies)
+        for finger in fingers
+        for joint, sign, links, bodies in zip(
+            finger.joints, finger.closing, finger.moved_links, finger.moved_bodies, strict=True
+        )
+    ]
+    levers = [[_lever(hand, joint, int(b)) for b in bodies] for joint, _, _, bodies in rows]
+    return {
+        "joint": np.array([row[0] for row in rows], dtype=np.int64),
+        "closing": np.array([row[1] for row in rows]),
+        "moved_link_start": _starts([len(row[2]) for row in rows]),
+        "moved_link": np.concatenate([row[2] for row in rows]).astype(np.int64),
+        "moved_body_start": _starts([len(row[3]) for row in rows]),
+        "moved_body": np.concatenate([row[3] for row in rows]).astype(np.int64),
+        "lever": np.concatenate(levers).astype(float),
+    }
+
+
+def _lever(hand: Hand, joint: int, body: int) -> float:
+    """Most that a point of a body travels per unit of a coordinate, over all configurations.
+
+    Along the chain the distance from a joint's axis to the body is at most the sum of the
+    lengths between the links.
+    """
+    tree, part = hand.tree, hand.bodies[body]
+    reach = float(np.linalg.norm(part.vertices, axis=1).max())
+    lever = 0.0
+    for link in tree.ancestors(part.link):
+        if tree.coordinate[link] == joint:
+            rate = abs(float(tree.multiplier[link]))
+            lever += rate if tree.kind[link] == 2 else rate * reach
+        reach += float(np.linalg.norm(tree.placement[link][:3, 3]))
+        if tree.kind[link] == 2 and tree.coordinate[link] >= 0:
+            low, high = hand.limits[tree.coordinate[link]]
+            reach += abs(float(tree.multiplier[link])) * max(abs(low), abs(high))
+    return max(lever, 1e-6)
+
+
+def _partners(hand: Hand, built: ClosingHand) -> tuple[Ints, Ints]:
+    """Bodies that each body may run into, from configurations spread over the joint limits."""
+    spread = qmc.Halton(len(hand.limits), scramble=False).random(PROBES)
+    configurations = hand.limits[:, 0] + spread * (hand.limits[:, 1] - hand.limits[:, 0])
+    poses = hand.tree.link_poses(configurations)
+    start = hand.tree.link_poses(built.preshape)[None]
+    pairs = []
+    for a, b in hand.self_collision_pairs:
+        if _least_gap(built, int(a), int(b), start) < -1e-4:
+            continue  # bodies that overlap in the preshape are drawn that way
+        if _least_gap(built, int(a), int(b), poses) < NEVER_NEAR:
+            pairs += [(int(a), int(b)), (int(b), int(a))]
+    table = np.array(sorted(pairs), dtype=np.int64).reshape(-1, 2)
+    counts = np.bincount(table[:, 0], minlength=len(hand.bodies))
+    return _starts(counts.tolist()), np.ascontiguousarray(table[:, 1])
+
+
+def _least_gap(built: ClosingHand, a: int, b: int, poses: Floats) -> float:
+    links = built.body_link
+    return min(
+        float(bodies_gap(built, a, pose[links[a]], b, pose[links[b]], NEVER_NEAR)) for pose in poses
+    )
+
+
+def hand_rotation(approach: Floats, closing_axis: Floats, hand: Hand) -> Floats:
+    """Rotations that lay the hand's palm direction and closing axis onto a candidate's.
+
+    Parameters
+    ----------
+    approach, closing_axis : ndarray, shape (n, 3)
+        Directions of the candidates in the object frame; only the part of the closing axis at
+        right angles to the approach counts.
+    hand : Hand
+        Gives the same two directions in the hand base frame.
+
+    Returns
+    -------
+    ndarray, shape (n, 3, 3)
+        ``R_object_hand`` (P13 4.16 to 4.28, with the transpose of the palm matrix).
+    """
+
+    def frame(forward: Floats, axis: Floats) -> Floats:
+        side = unit(np.cross(axis, forward))
+        return np.stack([side, np.cross(forward, side), forward], axis=-1)
+
+    palm = frame(unit(hand.palm_direction), np.asarray(hand.closing_axis, dtype=float))
+    return np.asarray(frame(unit(approach), closing_axis) @ palm.T)

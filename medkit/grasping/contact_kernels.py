@@ -1,0 +1,164 @@
+"""Compiled contacts: where bodies of the closed hand lie on the object's faces."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+from medkit.grasping.body_kernels import clip_to_body, collect_faces, inner, to_link
+
+#: Columns of a contact row: point (3), inward normal (3), body, gap, face.
+COLUMNS = 9
+#: Most candidate points kept of one body before the choice.
+SPOTS = 4096
+#: How far [m] a contact is drawn from the border of its face towards the middle of the patch.
+NUDGE = 2e-5
+#: Gaps [m] this close count as equal when the deepest contact is chosen.
+TIE = 1e-5
+
+
+@inner
+def _gap_and_alignment(
+    field: Any, hand: Any, body: int, face: int, pose: np.ndarray, p: np.ndarray
+) -> tuple[float, float]:
+    """Height [m] of a point of a link over its body, and how far both surfaces oppose (cosine)."""
+    top, best = -1e9, 0
+    for f in range(hand.plane_start[body], hand.plane_start[body + 1]):
+        height = -hand.planes[f, 3]
+        for a in range(3):
+            height += hand.planes[f, a] * p[a]
+        if height > top:
+            top, best = height, f
+    cosine = 0.0
+    for a in range(3):
+        turned = 0.0
+        for b in range(3):
+            turned += pose[a, b] * hand.planes[best, b]
+        cosine -= turned * field.normals[face, a]
+    return top, cosine
+
+
+@inner
+def _spots_of_face(
+    field: Any,
+    hand: Any,
+    body: int,
+    face: int,
+    tolerance: float,
+    least: float,
+    spots: np.ndarray,
+    count: int,
+    work: Any,
+) -> int:
+    """Append corners and middle of a face's part within `tolerance` [m] of a body to `spots`."""
+    pose = work.poses[hand.body_link[body]]
+    to_link(pose, field.triangles[face], work.local)
+    corners = clip_to_body(hand, body, work.local, tolerance, work)
+    if corners == 0:
+        return count
+    middle, p = work.local[0], work.local[1]
+    for a in range(3):
+        middle[a] = 0.0
+        for v in range(corners):
+            middle[a] += work.polygon[v, a] / corners
+    for v in range(corners + 1):
+        if count >= len(spots):
+            break
+        length = 0.0
+        for a in range(3):
+            p[a] = work.polygon[v, a] if v < corners else middle[a]
+            length += (p[a] - middle[a]) ** 2
+        inwards = min(0.05, NUDGE / max(np.sqrt(length), 1e-9))
+        for a in range(3):
+            p[a] += inwards * (middle[a] - p[a])
+        gap, cosine = _gap_and_alignment(field, hand, body, face, pose, p)
+        if cosine < least or gap > tolerance:
+            continue
+        for a in range(3):
+            spots[count, a] = pose[a, 3]
+            for b in range(3):
+                spots[count, a] += pose[a, b] * p[b]
+            spots[count, 3 + a] = -field.normals[face, a]
+        spots[count, 6] = body
+        spots[count, 7] = gap
+        spots[count, 8] = face
+        count += 1
+    return count
+
+
+@inner
+def _deepest(spots: np.ndarray, count: int, pose: np.ndarray) -> int:
+    """The spot of least gap; among equals the one furthest along a fixed skew direction."""
+    least = 1e9
+    for s in range(count):
+        least = min(least, spots[s, 7])
+    best, furthest = 0, -1e9
+    for s in range(count):
+        if spots[s, 7] > least + TIE:
+            continue
+        along = 0.0
+        for a in range(3):
+            skew = 0.83 * pose[a, 0] + 0.47 * pose[a, 1] + 0.31 * pose[a, 2]
+            along += skew * spots[s, a]
+        if along > furthest:
+            best, furthest = s, along
+    return best
+
+
+@njit(cache=True)
+def hand_contacts(
+    field: Any,
+    hand: Any,
+    tolerance: float,
+    separation: float,
+    least: float,
+    most: int,
+    spots: np.ndarray,
+    contacts: np.ndarray,
+    work: Any,
+) -> int:
+    """Contacts of a closed hand, as rows of `contacts` (n, 9); returns how many.
+
+    Of every body: the face part within `tolerance` [m] whose outward normal opposes the body's
+    own by at least the cosine `least`; of it the deepest point, then each time the point
+    furthest from those taken, while it keeps `separation` [m], at most `most` of a body.
+    Expects the links placed in `work.poses`.
+    """
+    total = 0
+    for body in range(hand.body_link.shape[0]):
+        pose = work.poses[hand.body_link[body]]
+        found = collect_faces(field, hand, body, pose, tolerance, work)
+        count = 0
+        for e in range(found):
+            face = work.faces[e]
+            if (
+                field.normals[face, 0] != 0.0
+                or field.normals[face, 1] != 0.0
+                or field.normals[face, 2] != 0.0
+            ):
+                count = _spots_of_face(
+                    field, hand, body, face, tolerance, least, spots, count, work
+                )
+        if count == 0:
+            continue
+        chosen = _deepest(spots, count, pose)
+        first = total
+        while total - first < most and total < len(contacts):
+            for c in range(COLUMNS):
+                contacts[total, c] = spots[chosen, c]
+            total += 1
+            widest = 0.0
+            for s in range(count):
+                nearest = 1e9
+                for t in range(first, total):
+                    squared = 0.0
+                    for a in range(3):
+                        squared += (spots[s, a] - contacts[t, a]) ** 2
+                    nearest = min(nearest, squared)
+                if nearest > widest:
+                    widest, chosen = nearest, s
+            if widest < separation * separation:
+                break
+    return total

@@ -1,0 +1,85 @@
+"""Approach directions for balls and solids with one dominant inscribed sphere (P13 4.4.4)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from medkit.geometry import Floats, perpendicular, unit
+
+#: Touch points count as opposing when the angle between them is within this of 180 deg [rad].
+OPPOSING = np.radians(12.0)
+#: Chords closer than this are one [rad].
+SAME_CHORD = np.radians(25.0)
+#: More distinct chords than this: the solid is a ball for all that matters to the hand. An
+#: icosahedron has ten.
+MOST_CHORDS = 10
+#: Directions around a chord.
+STEPS = 4
+
+
+def opposing_chords(touch: Floats, radius: float) -> Floats:
+    """Directions in which a sphere touches on both sides.
+
+    Parameters
+    ----------
+    touch : ndarray, shape (n, 3)
+        Touch points relative to the sphere's centre [m].
+    radius : float
+        The sphere's radius [m]; touch points further than a tenth from it are left out.
+
+    Returns
+    -------
+    ndarray, shape (c, 3)
+        Unit chord directions, no two the same; none for a ball, which touches everywhere.
+
+    Examples
+    --------
+    >>> cube = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1.0]])
+    >>> len(opposing_chords(cube, 1.0))
+    3
+    """
+    length = np.linalg.norm(touch, axis=1)
+    near = np.abs(length - radius) < 0.1 * radius
+    directions = touch[near] / length[near, None]
+    opposed = (directions @ directions.T).min(axis=1, initial=1.0) <= -np.cos(OPPOSING)
+    chords: list[Floats] = []
+    for direction in directions[opposed]:
+        if all(abs(direction @ chord) < np.cos(SAME_CHORD) for chord in chords):
+            chords.append(direction)
+        if len(chords) > MOST_CHORDS:
+            return np.zeros((0, 3))
+    return np.array(chords).reshape(-1, 3)
+
+
+def ball_directions(chords: Floats) -> tuple[Floats, Floats]:
+    """Approach directions and closing axes for one sphere that stands for its solid.
+
+    Parameters
+    ----------
+    chords : ndarray, shape (c, 3)
+        Its opposing touch directions. With none the solid is a ball, and directions come from
+        all around: the axes and diagonals of the object frame.
+
+    Returns
+    -------
+    approach, closing_axis : ndarrays, shape (n, 3)
+        Unit directions. With chords the approach lies in the plane normal to a chord, along
+        other chords where there are any, and the fingers close across the chord.
+    """
+    if not len(chords):
+        signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
+        approach = unit(np.vstack([np.eye(3), -np.eye(3), signs]))
+        axis = perpendicular(approach)
+        axes = np.stack([axis, np.cross(approach, axis)], axis=1)
+        return np.repeat(approach, 2, axis=0), axes.reshape(-1, 3)
+    rows = []
+    for k, chord in enumerate(chords):
+        others = np.delete(chords, k, axis=0)
+        others = others - np.outer(others @ chord, chord)
+        long = np.linalg.norm(others, axis=1) > 0.5
+        start = unit(others[long][0]) if long.any() else perpendicular(chord)
+        for angle in 2.0 * np.pi * np.arange(STEPS) / STEPS:
+            approach = np.cos(angle) * start + np.sin(angle) * np.cross(chord, start)
+            closing = np.cross(chord, approach)
+            rows += [(approach, closing), (approach, -closing)]
+    return np.array([row[0] for row in rows]), np.array([row[1] for row in rows])
