@@ -15,6 +15,7 @@ to the normal, made a unit vector, and ``t2 = n x t1``.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
@@ -216,21 +217,24 @@ def cone_profile(dimension: int, contact: ContactModel, edges: int | None) -> Fl
             f"Expected edges to be a whole number of three or more, but got {edges!r};"
             " pass for example 8, or None for the exact cone."
         )
+    return _round_profile(int(edges), contact == "soft").copy()
+
+
+@lru_cache(maxsize=32)
+def _round_profile(edges: int, soft: bool) -> Floats:
     turn = 2.0 * np.pi * np.arange(edges) / edges
     circle = np.stack([np.cos(turn), np.sin(turn)], axis=1)
-    return circle if contact == "point" else _sphere_profile(circle, max(2, edges // 2))
-
-
-def _sphere_profile(circle: Floats, steps: int) -> Floats:
-    latitudes = np.pi * np.arange(1, steps) / steps - np.pi / 2.0
+    if not soft:
+        return circle
+    steps = max(2, edges // 2)
     rings = [
-        np.column_stack([np.cos(angle) * circle, np.full(len(circle), np.sin(angle))])
-        for angle in latitudes
+        np.column_stack([np.cos(angle) * circle, np.full(edges, np.sin(angle))])
+        for angle in np.pi * np.arange(1, steps) / steps - np.pi / 2.0
     ]
     return np.vstack([[[0.0, 0.0, -1.0]], *rings, [[0.0, 0.0, 1.0]]])
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def tangent_pair(normal, arm, t1, t2):  # type: ignore[no-untyped-def]
     """First tangent along the lever arm's tangential part, or along a world axis without one."""
     along = normal[0] * arm[0] + normal[1] * arm[1] + normal[2] * arm[2]
@@ -242,7 +246,10 @@ def tangent_pair(normal, arm, t1, t2):  # type: ignore[no-untyped-def]
         reach += arm[a] * arm[a]
     if length <= TANGENT_TOLERANCE**2 * reach:
         # no direction is distinguished by this contact alone: take n x e of the smallest |n|
-        axis = np.argmin(np.abs(normal))
+        axis = 0
+        for a in range(1, 3):
+            if abs(normal[a]) < abs(normal[axis]):
+                axis = a
         b, c = (axis + 1) % 3, (axis + 2) % 3
         t1[axis] = 0.0
         t1[b] = normal[c]
@@ -255,7 +262,7 @@ def tangent_pair(normal, arm, t1, t2):  # type: ignore[no-untyped-def]
         t2[a] = normal[b] * t1[c] - normal[c] * t1[b]
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def _fill_wrench(force, arm, gain, scale, out):  # type: ignore[no-untyped-def]
     for a in range(3):
         b, c = (a + 1) % 3, (a + 2) % 3
@@ -263,14 +270,17 @@ def _fill_wrench(force, arm, gain, scale, out):  # type: ignore[no-untyped-def]
         out[3 + a] = gain * (arm[b] * force[c] - arm[c] * force[b]) / scale
 
 
-@njit(cache=True)
+@njit(cache=True, error_model="numpy")
 def fill_cones(points, normals, friction, patch, origin, scale, centers, axes):  # type: ignore[no-untyped-def]
     """Write the ellipses of one grasp into `centers` (n, D) and `axes` (n, k, D)."""
     t1, t2 = np.empty(3), np.empty(3)
+    arm = np.empty(points.shape[1])
     for i in range(points.shape[0]):
-        arm, normal, mu = points[i] - origin, normals[i], friction[i]
+        normal, mu = normals[i], friction[i]
+        for a in range(arm.shape[0]):
+            arm[a] = points[i, a] - origin[a]
         if points.shape[1] == 2:
-            centers[i, :2] = normal
+            centers[i, 0], centers[i, 1] = normal[0], normal[1]
             centers[i, 2] = (arm[0] * normal[1] - arm[1] * normal[0]) / scale
             axes[i, 0, 0], axes[i, 0, 1] = -mu * normal[1], mu * normal[0]
             axes[i, 0, 2] = mu * (arm[0] * normal[0] + arm[1] * normal[1]) / scale
@@ -280,8 +290,9 @@ def fill_cones(points, normals, friction, patch, origin, scale, centers, axes): 
         _fill_wrench(t1, arm, mu, scale, axes[i, 0])
         _fill_wrench(t2, arm, mu, scale, axes[i, 1])
         if axes.shape[1] == 3:
-            axes[i, 2, :3] = 0.0
-            axes[i, 2, 3:] = 2.0 / 3.0 * mu * patch * normal / scale
+            for a in range(3):
+                axes[i, 2, a] = 0.0
+                axes[i, 2, 3 + a] = 2.0 / 3.0 * mu * patch * normal[a] / scale
 
 
 def check_model(contact: Any) -> None:
@@ -317,7 +328,7 @@ def _checked_normals(normals: ArrayLike, points: Floats) -> Floats:
             f"Expected one normal per point, but got {len(array)} normals for"
             f" {len(points)} points; pass as many as points."
         )
-    off = np.abs(np.einsum("ij,ij->i", array, array) - 1.0)
+    off = np.abs((array * array).sum(axis=1) - 1.0)
     if len(off) and off.max() > 2.0 * UNIT_TOLERANCE:
         worst = int(off.argmax())
         raise InputError(
@@ -340,4 +351,4 @@ def _checked_friction(friction: ArrayLike, n: int) -> Floats:
             "Expected friction to be finite and zero or more, but got"
             f" {float(np.ravel(bad)[0]):g}; give a coefficient that is not negative."
         )
-    return np.ascontiguousarray(np.broadcast_to(array, (n,)))
+    return np.full(n, array)

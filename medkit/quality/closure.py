@@ -16,8 +16,7 @@ from medkit.contacts import (
     wrench_cones,
 )
 from medkit.geometry import Floats, positive
-from medkit.quality import kernels
-from medkit.quality.measure import BUDGET, CLOSURE_TOLERANCE, longest_wrench
+from medkit.quality.expansion import LINEAR_GAP, expand
 
 
 def is_force_closure(
@@ -82,12 +81,10 @@ def is_force_closure(
         patch_radius=patch_radius,
     )  # fmt: skip
     profile = cone_profile(contacts.dimension, contact, edges)
-    length = longest_wrench(cones)
-    status, *_ = kernels.expand(
-        cones.centers, cones.axes, profile, False,
-        CLOSURE_TOLERANCE * length, 1e-12 * length, True, BUDGET, np.zeros(cones.centers.shape[1]),
-    )  # fmt: skip
-    return bool(status == kernels.CLOSED)
+    grown = expand(
+        cones, np.array([0, len(contacts)]), profile, total=False, gap=LINEAR_GAP, closure_only=True
+    )
+    return bool(grown.lower[0] > 0.0)
 
 
 def is_form_closure(points: ArrayLike, normals: ArrayLike) -> bool:

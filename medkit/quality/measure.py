@@ -13,22 +13,14 @@ from medkit.contacts import (
     PATCH_RADIUS,
     ContactModel,
     Contacts,
-    WrenchCones,
     cone_profile,
     wrench_cones,
 )
 from medkit.errors import InputError
 from medkit.geometry import Floats, positive
-from medkit.quality import kernels
+from medkit.quality.expansion import LINEAR_GAP, expand
 
 Norm = Literal["l1", "linf"]
-
-#: A ball smaller than this, in units of the longest wrench, counts as none.
-CLOSURE_TOLERANCE = 1e-10
-#: Bounds of linearised cones meet this closely, in units of the longest wrench.
-LINEAR_GAP = 1e-12
-#: Points that are added before the bounds are returned as they stand.
-BUDGET = 20_000
 
 
 @dataclass(frozen=True)
@@ -142,7 +134,6 @@ def epsilon(
     0.57735
     """
     contacts = Contacts(points, normals, friction)
-    total = _is_total(norm)
     cones = wrench_cones(
         contacts,
         torque_origin=torque_origin,
@@ -151,30 +142,25 @@ def epsilon(
         patch_radius=patch_radius,
     )
     profile = cone_profile(contacts.dimension, contact, edges)
-    gap = LINEAR_GAP if len(profile) else positive(tolerance, "tolerance")
-    return epsilon_of_cones(cones, profile, total=total, gap=gap)
+    grown = expand(
+        cones,
+        np.array([0, len(contacts)]),
+        profile,
+        total=_is_total(norm),
+        gap=LINEAR_GAP if len(profile) else positive(tolerance, "tolerance"),
+    )
+    return Epsilon(
+        float(grown.lower[0]),
+        float(grown.upper[0]),
+        grown.weakest[0],
+        int(grown.points_added[0]),
+        bool(grown.converged[0]),
+    )
 
 
-def epsilon_of_cones(cones: WrenchCones, profile: Floats, *, total: bool, gap: float) -> Epsilon:
-    """Epsilon of contacts that are already ellipses of wrenches; `gap` in longest wrenches."""
-    weakest = np.zeros(cones.centers.shape[1])
-    length = longest_wrench(cones)
-    status, lower, upper, added = kernels.expand(
-        cones.centers, cones.axes, profile, total,
-        CLOSURE_TOLERANCE * length, gap * length, False, BUDGET, weakest,
-    )  # fmt: skip
-    if status in (kernels.OPEN, kernels.FLAT):
-        return Epsilon(0.0, 0.0, weakest, added, True)
-    return Epsilon(max(lower, 0.0), max(upper, 0.0), weakest, added, status == kernels.CONVERGED)
-
-
-def longest_wrench(cones: WrenchCones) -> float:
-    """Length of the longest primitive wrench, or of the longest centre plus axes above it."""
-    if len(cones.centers) == 0:
-        return 1.0
-    squares = np.einsum("ij,ij->i", cones.centers, cones.centers)
-    squares = squares + np.einsum("ikj,ikj->i", cones.axes, cones.axes)
-    return float(np.sqrt(squares.max()))
+def _stacked(rows: Sequence[ArrayLike]) -> Floats:
+    arrays = [np.asarray(row, dtype=float) for row in rows if len(row)]  # type: ignore[arg-type]
+    return np.concatenate(arrays) if arrays else np.zeros((0, 3))
 
 
 def _is_total(norm: str) -> bool:
@@ -212,12 +198,27 @@ def epsilon_many(
     EpsilonBatch
         Bounds per grasp.
     """
-    results = [
-        epsilon(
-            p, n, friction=friction, torque_origin=torque_origin, torque_scale=torque_scale,
-            edges=edges, norm=norm, contact=contact, patch_radius=patch_radius,
-            tolerance=tolerance,
+    counts = [len(p) for p in points]
+    flat = _stacked(points), _stacked(normals)
+    contacts = Contacts(*flat, friction)
+    if [len(n) for n in normals] != counts:
+        raise InputError(
+            "Expected as many normals as points in every grasp, but the numbers differ in grasp"
+            f" {next(i for i, n in enumerate(normals) if len(n) != counts[i])}; pass them in pairs."
         )
-        for p, n in zip(points, normals, strict=True)
-    ]  # fmt: skip
-    return EpsilonBatch(np.array([r.lower for r in results]), np.array([r.upper for r in results]))
+    cones = wrench_cones(
+        contacts,
+        torque_origin=torque_origin,
+        torque_scale=torque_scale,
+        contact=contact,
+        patch_radius=patch_radius,
+    )
+    profile = cone_profile(contacts.dimension, contact, edges)
+    grown = expand(
+        cones,
+        np.concatenate([[0], np.cumsum(counts, dtype=np.int64)]),
+        profile,
+        total=_is_total(norm),
+        gap=LINEAR_GAP if len(profile) else positive(tolerance, "tolerance"),
+    )
+    return EpsilonBatch(grown.lower, grown.upper)
