@@ -81,31 +81,25 @@ def _read_parts(document: Fields, folder: Path, package_dirs: Sequence[Path]) ->
         )
     if document.has("links"):
         return Parts(links_from_table(document))
-    own = (
-        [folder / name for name in document.names("package_dirs")]
-        if document.has("package_dirs")
-        else []
-    )
+    root = _distribution_folder(document) if document.has("package") else folder
+    names = document.names("package_dirs") if document.has("package_dirs") else []
     base = document.text("base") if document.has("base") else None
-    dirs = [*package_dirs, *own]
-    file = Path(document.text("urdf"))
-    if document.has("package"):
-        root = _package_folder(document.text("package"), document)
-        return parts_from_urdf(root / file, [*dirs, root, root.parent], base)
-    return parts_from_urdf(folder / file, [*dirs, folder], base)
+    dirs = [*package_dirs, *(root / name for name in names), root]
+    return parts_from_urdf(root / document.text("urdf"), dirs, base)
 
 
-def _package_folder(name: str, document: Fields) -> Path:
-    """Folder of an installed Python package, found without importing it."""
-    from importlib.util import find_spec
+def _distribution_folder(document: Fields) -> Path:
+    """Folder into which the PyPI package that the description names was installed."""
+    from importlib.metadata import PackageNotFoundError, distribution
 
-    spec = find_spec(name)
-    if spec is None or not spec.submodule_search_locations:
+    name = document.text("package")
+    try:
+        return Path(str(distribution(name).locate_file("")))
+    except PackageNotFoundError as error:
         raise InputError(
-            f"Expected the Python package {name!r} of {document.place} to be installed, but it is"
-            " not; install it."
-        )
-    return Path(next(iter(spec.submodule_search_locations)))
+            f"Expected the PyPI package {name!r} of {document.place} to be installed, but it is"
+            f" not; run pip install {name}."
+        ) from error
 
 
 def _couple(parts: Parts, document: Fields) -> Parts:

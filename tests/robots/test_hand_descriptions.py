@@ -1,5 +1,6 @@
 """Hands of the user's own: a URDF with a short YAML, and every mistake in them."""
 
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -204,3 +205,16 @@ def test_the_check_finds_what_loads_but_cannot_work(tmp_path):
     assert finding(huge, "ball size")
     crossed = load_hand(changed(tmp_path, set_key("preshapes", {"power": {"left_knuckle": 1.2}})))
     assert finding(crossed, "preshape power")
+
+
+def test_a_hand_can_come_from_an_installed_package(tmp_path, monkeypatch):
+    info = tmp_path / "site" / "fake_hand-1.0.dist-info"
+    info.mkdir(parents=True)
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: fake-hand\nVersion: 1.0\n")
+    share = tmp_path / "site" / "share"
+    shutil.copytree(DATA / "packages", share)
+    shutil.copy(DATA / "two_finger.urdf", share)
+    monkeypatch.syspath_prepend(str(tmp_path / "site"))
+    edit = {"package": "fake-hand", "package_dirs": ["share"], "urdf": "share/two_finger.urdf"}
+    hand = load_hand(changed(tmp_path, lambda document: document.update(edit)))
+    assert hand.joint_names == ("left_knuckle", "slider")
