@@ -125,7 +125,36 @@ def tolerated_force(cells: RatingCells, multiplicity: Array) -> Array:
     The force a subject puts up with, on average over weights, counting "acceptable" as half
     (a Spearman-Kaerber mean from the lowest to the highest force).
     """
-    return _area(cells, multiplicity, cells.points)
+    return force_area(cells, multiplicity, cells.points)
+
+
+def force_area(cells: RatingCells, multiplicity: Array, values: Array) -> Array:
+    """Return the area under a mean over force, per subject and block.
+
+    Parameters
+    ----------
+    cells : RatingCells
+        The n cells.
+    multiplicity : (1, n) or (m, n) ndarray
+        How often each cell counts.
+    values : (n,) or (m, n) ndarray
+        What is averaged over the weights at each force.
+
+    Returns
+    -------
+    (m, s, b) ndarray
+        In newtons times the values' unit; NaN where a force is missing altogether.
+    """
+    subjects, blocks = len(cells.subjects), len(cells.poses) * len(cells.modes)
+    forces, widths = force_steps(cells.force)
+    block = cells.subject * blocks + cells.pose * len(cells.modes) + cells.mode
+    group = block * len(forces) + np.searchsorted(forces, cells.force)
+    member = np.zeros((len(cells), subjects * blocks * len(forces)))
+    member[np.arange(len(cells)), group] = 1.0
+    total, weight = (multiplicity * values) @ member, multiplicity @ member
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = (total / weight).reshape(len(total), subjects, blocks, len(forces))
+    return np.asarray((mean * widths).sum(axis=-1))
 
 
 def least_sensitive_gap(cells: RatingCells, multiplicity: Array, subject: str) -> Array:
@@ -217,19 +246,6 @@ def _mean_over(values: Array) -> Array:
     known = np.isfinite(values)
     total = np.where(known, values, 0.0).sum(axis=-1)
     return np.where(known.any(axis=-1), total / np.maximum(known.sum(axis=-1), 1), np.nan)
-
-
-def _area(cells: RatingCells, multiplicity: Array, values: Array) -> Array:
-    subjects, blocks = len(cells.subjects), len(cells.poses) * len(cells.modes)
-    forces, widths = force_steps(cells.force)
-    block = cells.subject * blocks + cells.pose * len(cells.modes) + cells.mode
-    group = block * len(forces) + np.searchsorted(forces, cells.force)
-    member = np.zeros((len(cells), subjects * blocks * len(forces)))
-    member[np.arange(len(cells)), group] = 1.0
-    total, weight = (multiplicity * values) @ member, multiplicity @ member
-    with np.errstate(invalid="ignore", divide="ignore"):
-        mean = (total / weight).reshape(len(multiplicity), subjects, blocks, len(forces))
-    return np.asarray((mean * widths).sum(axis=-1))
 
 
 def _weighted_slope(x: Array, y: Array, multiplicity: Array, group: Array, groups: int) -> Array:

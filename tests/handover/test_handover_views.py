@@ -1,0 +1,69 @@
+"""Every published view comes from one call, with labelled axes; wrong names are refused."""
+
+import matplotlib
+
+matplotlib.use("agg")
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+from medkit.errors import InputError
+from medkit.handover import claims, iso_score, load_trials, recommend_force, score
+from medkit.viz.handover import plot_rating_shares, plot_score_map
+from medkit.viz.handover_figures import FIGURES, thesis_figure
+from medkit.viz.handover_results import figure_iso_score, figure_recommendation, plot_claims
+
+
+@pytest.fixture(scope="module")
+def trials():
+    return load_trials()
+
+
+@pytest.fixture(autouse=True)
+def _closed():
+    yield
+    plt.close("all")
+
+
+def test_the_list_of_views_is_complete():
+    assert list(FIGURES) == [f"4.{number}" for number in range(5, 30)]
+
+
+@pytest.mark.parametrize("number", ["4.5", "4.11", "4.14", "4.17", "4.22", "4.24", "4.26", "4.29"])
+def test_a_view_has_labelled_axes_with_units(trials, number):
+    figure = thesis_figure(trials, number)
+    axes = figure.axes
+    assert any("[" in ax.get_xlabel() for ax in axes)
+    assert any("[" in ax.get_ylabel() for ax in axes)
+
+
+def test_stacked_shares_fill_the_bar(trials):
+    ax = plot_rating_shares(trials)
+    tops = np.array([patch.get_height() for patch in ax.patches]).reshape(3, -1).sum(axis=0)
+    np.testing.assert_allclose(tops, 1.0)
+
+
+def test_the_heat_map_shows_the_mean_scores(trials):
+    part = trials[(trials["pose"] == "P2") & (trials["mode"] == "impedance")]
+    shown = plot_score_map(part).images[0].get_array()
+    assert shown.shape == (9, 4)
+    assert float(shown.mean()) == pytest.approx(score(part).mean())
+
+
+@pytest.mark.parametrize("kind", ["contour", "3d"])
+def test_other_kinds_of_map_draw(trials, kind):
+    assert plot_score_map(trials, kind=kind).get_ylabel() == "release force [N]"
+
+
+def test_results_draw_with_one_panel_per_condition(trials):
+    assert len(figure_iso_score(iso_score(trials), level=0.75).axes) == 4
+    assert len(figure_recommendation(recommend_force(trials)).axes) == 4
+    ax = plot_claims(claims(trials, draws=10, shuffles=19))
+    assert len(ax.get_yticklabels()) == 7
+
+
+def test_unknown_names_are_refused(trials):
+    with pytest.raises(InputError, match=r"4\.5 to 4\.29"):
+        thesis_figure(trials, "4.30")
+    with pytest.raises(InputError, match="heat, contour or 3d"):
+        plot_score_map(trials, kind="pie")
