@@ -142,27 +142,29 @@ def volume(
     )  # fmt: skip
 
 
-def critical_friction(
-    points: ArrayLike, normals: ArrayLike, *, outline: Outline | None = None
-) -> float:
-    """Friction above which planar contacts are force-closure [1]; inf if no friction helps.
+def critical_friction(points: ArrayLike, normals: ArrayLike) -> quality.CriticalFriction:
+    """Friction above which planar contacts are force-closure.
 
     Parameters
     ----------
     points, normals : array-like, shape (n, 2)
         Contact points [m] and unit normals into the object [1].
-    outline : Outline, optional
-        The object, for the conditioning of the torques.
 
     Returns
     -------
-    float
-        The middle of the interval that :func:`medkit.quality.critical_friction` returns.
+    medkit.quality.CriticalFriction
+        A float [1], nan when no friction helps, that also says how it was found.
+
+    Examples
+    --------
+    >>> from medkit.planar.shapes import wedge
+    >>> touch = wedge(np.radians(120.0), radius=0.02)[1]
+    >>> round(float(critical_friction(touch, -touch / 0.02)), 6)
+    0.57735
     """
-    place, normal = points_array(points, 2), points_array(normals, 2, "normals")
-    origin, scale = _torques(place, outline, None, None)
-    found = quality.critical_friction(place, normal, torque_origin=origin, torque_scale=scale)
-    return 0.5 * (found.lower + found.upper)
+    return quality.critical_friction(
+        points_array(points, 2), points_array(normals, 2, "normals"), torque_origin=None
+    )
 
 
 def primitive_wrenches(

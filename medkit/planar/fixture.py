@@ -13,12 +13,13 @@ from medkit.geometry import Floats
 from medkit.planar.outlines import Outline, SmoothOutline
 
 if TYPE_CHECKING:
-    from medkit.planar.squeeze import SqueezeSettings
+    from medkit.planar.squeezing import SqueezeSettings
 
 #: The engine works in lengths of a hundredth of the object's characteristic length.
 UNITS = 100.0
-#: A smooth curve is as many straight edges for the engine; normals are right to 0.1 deg.
-SMOOTH_EDGES = 1536
+#: A smooth curve is as many straight edges for the engine, and a tangent where a finger touches.
+SMOOTH_EDGES = 512
+TANGENT_HALF = 0.6  # [engine units]
 TIP_MASS = 0.2  # [object masses]
 OBJECT, FINGER = 1, 2
 
@@ -132,21 +133,35 @@ def _places(
 def _add_object(space: Any, outline: Outline, scale: float, points: Floats) -> Any:
     body = pymunk.Body(1.0, moment_of_inertia(outline) * scale**2)
     space.add(body)
-    if isinstance(outline, SmoothOutline):
-        turn = np.arange(SMOOTH_EDGES) * (2 * np.pi / SMOOTH_EDGES)
-        loop = outline.curve(turn)
-        starts, ends = loop, np.roll(loop, -1, axis=0)
-    else:
-        starts, ends = outline.starts, outline.ends
-    a, b = ((p - outline.center_mass) * scale for p in (starts, ends))
-    middle, reach = (a + b) / 2, np.linalg.norm(b - a, axis=1) / 2
-    near = np.linalg.norm(middle[:, None] - points, axis=2).min(axis=1) < reach + 0.6 * UNITS
-    for first, last in zip(a[near], b[near], strict=True):
+    a, b = _edges_near(outline, scale, points)
+    for first, last in zip(a, b, strict=True):
         edge = pymunk.Segment(body, tuple(first), tuple(last), 0.0)
         edge.friction = 1.0
         edge.filter = pymunk.ShapeFilter(categories=OBJECT, mask=FINGER)
         space.add(edge)
     return body
+
+
+def _edges_near(outline: Outline, scale: float, points: Floats) -> tuple[Floats, Floats]:
+    """Edges for the engine that lie near the fingers, in engine units."""
+    smooth = isinstance(outline, SmoothOutline)
+    loop = outline.loops[0]
+    if isinstance(outline, SmoothOutline):
+        loop = outline.curve(np.arange(SMOOTH_EDGES) * (2 * np.pi / SMOOTH_EDGES))
+    starts, ends = (loop, np.roll(loop, -1, axis=0)) if smooth else (outline.starts, outline.ends)
+    a, b = ((p - outline.center_mass) * scale for p in (starts, ends))
+    middle, reach = (a + b) / 2, np.linalg.norm(b - a, axis=1) / 2
+    away = np.linalg.norm(middle[:, None] - points, axis=2).min(axis=1)
+    near = away < reach + 0.6 * UNITS
+    if not smooth:
+        return a[near], b[near]
+    # a finger must not rest on the corner between two of our edges: where it touches, the
+    # curve is replaced by its tangent
+    ends_away = np.linalg.norm(np.stack([a, b])[:, :, None] - points, axis=3).min(axis=(0, 2))
+    near &= ends_away > TANGENT_HALF
+    normals = np.array([outline.inward_normal_at(p / scale + outline.center_mass) for p in points])
+    sides = TANGENT_HALF * np.column_stack([normals[:, 1], -normals[:, 0]])
+    return np.vstack([a[near], points - sides]), np.vstack([b[near], points + sides])
 
 
 def moment_of_inertia(outline: Outline) -> float:

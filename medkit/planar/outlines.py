@@ -100,7 +100,6 @@ class Outline:
         rest = query - along[..., None] * self.tangents
         return np.asarray(np.linalg.norm(rest, axis=2).min(axis=1))
 
-
     def inward_normal_at(self, point: ArrayLike) -> Floats:
         """Unit normal into the object at the place of the outline nearest to a point, (2,)."""
         gap = np.asarray(point, dtype=float) - self.starts
@@ -243,7 +242,6 @@ class SmoothOutline(Outline):
         wave = np.exp(1j * np.multiply.outer(np.asarray(parameter, dtype=float), k))
         value = wave @ (self.coefficients * (1j * k) ** derivative)
         return np.stack([value.real, value.imag], axis=-1)
-
 
     def inward_normal_at(self, point: ArrayLike) -> Floats:
         """Unit normal into the object at the place of the curve nearest to a point, (2,)."""

@@ -80,7 +80,7 @@ def force_closure_pairs(outline: Outline, *, friction: float) -> tuple[EdgePair,
     --------
     >>> from medkit.planar.shapes import rectangle
     >>> [(pair.first, pair.second) for pair in force_closure_pairs(rectangle(), friction=0.2)]
-    [(0, 2), (1, 3)]
+    [(1, 3), (0, 2)]
     """
     beta = cone_half_angle(friction)
     pairs = []
@@ -126,7 +126,9 @@ def _clip(polygon: Floats, normal: Floats, offset: float) -> Floats:
             kept.append(polygon[k - 1] + share * (polygon[k] - polygon[k - 1]))
         if after <= 0.0:
             kept.append(polygon[k])
-    return np.array(kept).reshape(-1, 2)
+    points = np.array(kept).reshape(-1, 2)
+    step = np.linalg.norm(points - np.roll(points, 1, axis=0), axis=1)
+    return np.asarray(points[step > 1e-12 * step.max(initial=0.0)])
 
 
 def _area(polygon: Floats) -> float:
@@ -137,18 +139,23 @@ def _area(polygon: Floats) -> float:
 def _roomiest(lines: Floats, size: Floats) -> Floats:
     """Rectangle within the region: longest shorter side, then longest sum of both sides."""
     a, b, c = lines.T
-    # unknowns s0, s1, t0, t1, w; the worst corner of the rectangle decides for each line
-    rows = np.column_stack([
-        np.minimum(a, 0.0), np.maximum(a, 0.0), np.minimum(b, 0.0), np.maximum(b, 0.0), 0.0 * a,
-    ])  # fmt: skip
-    rows = np.vstack([rows, [1, -1, 0, 0, 1], [0, 0, 1, -1, 1]])
-    limits = np.concatenate([c, [0.0, 0.0]])
-    bounds = [(0, size[0])] * 2 + [(0, size[1])] * 2 + [(0, None)]
-    first = linprog([0, 0, 0, 0, -1], A_ub=rows, b_ub=limits, bounds=bounds)
-    bounds[4] = (0.999999 * float(first.x[4]), None)
-    second = linprog([1, -1, 1, -1, 0], A_ub=rows, b_ub=limits, bounds=bounds)
-    best = second.x if second.status == 0 else first.x
-    return np.asarray(best[:4].reshape(2, 2))
+    # unknowns s0, s1, t0, t1, w and the distances of both middles from the middles of the edges;
+    # the worst corner of the rectangle decides for each line
+    none = 0.0 * a
+    rows = [np.column_stack([np.minimum(a, 0.0), np.maximum(a, 0.0), np.minimum(b, 0.0),
+                             np.maximum(b, 0.0), none, none, none])]  # fmt: skip
+    rows.append(np.array([[1, -1, 0, 0, 1, 0, 0], [0, 0, 1, -1, 1, 0, 0]], dtype=float))
+    rows.append(np.array([[0.5, 0.5, 0, 0, 0, -1, 0], [-0.5, -0.5, 0, 0, 0, -1, 0],
+                          [0, 0, 0.5, 0.5, 0, 0, -1], [0, 0, -0.5, -0.5, 0, 0, -1]]))  # fmt: skip
+    half = size / 2
+    limits = np.concatenate([c, [0.0, 0.0], [half[0], -half[0], half[1], -half[1]]])
+    bounds = [(0, size[0])] * 2 + [(0, size[1])] * 2 + [(0, None)] * 3
+    # the shorter side counts most, then the sum, then being in the middle
+    cost = [1e-3, -1e-3, 1e-3, -1e-3, -1.0, 1e-5, 1e-5]
+    unit = float(size.max())
+    scaled = [(low, None if high is None else high / unit) for low, high in bounds]
+    found = linprog(cost, A_ub=np.vstack(rows), b_ub=limits / unit, bounds=scaled)
+    return np.asarray(found.x[:4].reshape(2, 2) * unit)
 
 
 def antipodal_pairs(outline: SmoothOutline) -> tuple[Floats, Floats]:
@@ -174,7 +181,7 @@ def antipodal_pairs(outline: SmoothOutline) -> tuple[Floats, Floats]:
     2
     """
     count = 256
-    grid = np.arange(count + 1) * (2 * np.pi / count)
+    grid: Floats = np.arange(count + 1, dtype=float) * (2 * np.pi / count)
     place, velocity = outline.curve(grid), outline.curve(grid, 1)
     chord = place[None] - place[:, None]
     first = np.einsum("ijk,ik->ij", chord, velocity)
@@ -185,7 +192,8 @@ def antipodal_pairs(outline: SmoothOutline) -> tuple[Floats, Floats]:
     pairs = [pair for pair in found if pair is not None]
     kept: list[Floats] = []
     for pair in pairs:
-        turned = [np.abs(np.exp(1j * pair) - np.exp(1j * other)).max() for other in kept]
+        turned = [np.abs(np.exp(1j * pair) - np.exp(1j * known)).max()
+                  for other in kept for known in (other, other[::-1])]  # fmt: skip
         if min(turned, default=1.0) > 1e-6:
             kept.append(pair)
     parameters = np.array(kept).reshape(-1, 2)

@@ -19,7 +19,7 @@ from medkit.planar.closure import is_force_closure
 from medkit.planar.medial import MedialAxis, medial_axis
 from medkit.planar.outlines import Outline
 from medkit.planar.shapes import wedge
-from medkit.planar.squeeze import DEFAULTS, SqueezeSettings, squeeze
+from medkit.planar.squeezing import DEFAULTS, SqueezeSettings, squeeze
 
 
 def simulated_critical_friction(

@@ -5,10 +5,28 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+from scipy.spatial import ConvexHull
 
 from medkit.planar.bounds import cone_half_angle, is_antipodal, min_object_angle
+from medkit.planar.closure import epsilon, is_force_closure, primitive_wrenches
 from medkit.planar.materials import MATERIALS
-from medkit.viz.style import BLACK, BLUE, GREEN, OBJECT_GREY, ORANGE, VERMILION, axes_or_new
+from medkit.planar.medial import MedialAxis
+from medkit.planar.outlines import Outline
+from medkit.planar.regions import EdgePair
+from medkit.viz.style import (
+    BLACK,
+    BLUE,
+    GREEN,
+    OBJECT_GREY,
+    ORANGE,
+    SEQUENTIAL,
+    SKY,
+    VERMILION,
+    axes_or_new,
+)
 
 
 def plot_two_contacts(object_angle: float, *, friction: float, ax: Any = None) -> Any:
@@ -106,4 +124,118 @@ def plot_object_angle_bound(*, friction: float | None = None, ax: Any = None) ->
     axes.set(xlabel="coefficient of static friction [1]", ylabel="object angle [deg]",
              xlim=(0.0, 1.6), ylim=(0.0, 182.0))  # fmt: skip
     axes.legend(loc="upper right")
+    return axes
+
+
+def plot_outline(outline: Outline, *, ax: Any = None) -> Any:
+    """Draw an outline as a filled region, holes left open; axes in millimetres."""
+    axes = axes_or_new(ax)
+    vertices, codes = [], []
+    for loop in outline.loops:
+        closed = 1e3 * np.vstack([loop, loop[:1]])
+        vertices.append(closed)
+        codes.append([Path.MOVETO] + [Path.LINETO] * (len(loop) - 1) + [Path.CLOSEPOLY])
+    shape = Path(np.vstack(vertices), np.concatenate(codes))
+    axes.add_patch(PathPatch(shape, facecolor="#ECECEC", edgecolor="#555555", lw=1.2, zorder=1))
+    axes.autoscale_view()
+    axes.set_aspect("equal")
+    axes.set(xlabel="x [mm]", ylabel="y [mm]")
+    return axes
+
+
+def plot_medial_axis(axis: MedialAxis, *, ax: Any = None, colorbar: bool = True) -> Any:
+    """Draw outline and medial disks' centres, coloured by object angle from 0 to 180 deg."""
+    axes = plot_outline(axis.outline, ax=ax)
+    order = np.argsort(axis.object_angles)
+    dots = axes.scatter(
+        *(1e3 * axis.centers[order].T), c=np.degrees(axis.object_angles[order]), s=7,
+        cmap=SEQUENTIAL, vmin=0.0, vmax=180.0, zorder=3,
+    )  # fmt: skip
+    if colorbar:
+        axes.figure.colorbar(dots, ax=axes, label="object angle [deg]", shrink=0.8)
+    return axes
+
+
+def plot_disks(axis: MedialAxis, indices: Any, *, ax: Any = None, color: str = BLUE) -> Any:
+    """Add some medial disks with the radii to their touch points to axes in millimetres."""
+    axes = axes_or_new(ax)
+    turn = np.linspace(0.0, 2.0 * np.pi, 121)
+    for index in np.atleast_1d(indices):
+        center, radius = 1e3 * axis.centers[index], 1e3 * axis.radii[index]
+        rim = center + radius * np.column_stack([np.cos(turn), np.sin(turn)])
+        axes.plot(rim[:, 0], rim[:, 1], color=color, lw=1.0, marker="", zorder=4)
+        spokes = np.insert(1e3 * axis.touch_points[index], 1, center, axis=0)
+        axes.plot(spokes[:, 0], spokes[:, 1], color=color, lw=0.9, ls="--", marker="", zorder=4)
+        axes.plot(spokes[::2, 0], spokes[::2, 1], color=color, ls="", marker="o", zorder=5)
+    return axes
+
+
+def plot_grasp(
+    outline: Outline, points: Any, normals: Any, *, friction: float, ax: Any = None
+) -> Any:
+    """Draw an outline with contacts, their inward normals and cones; green if force-closure."""
+    axes = plot_outline(outline, ax=ax)
+    held = is_force_closure(points, normals, friction=friction, outline=outline)
+    length = 450.0 * outline.characteristic_length
+    for point, normal in zip(1e3 * np.asarray(points), np.asarray(normals), strict=True):
+        draw_cone(axes, point, normal, friction, length=length, color=GREEN if held else VERMILION)
+        start, way = point - 0.5 * length * normal, 0.42 * length * normal
+        axes.annotate("", point - 0.06 * length * normal, start, arrowprops={"width": 2.0,
+                      "headwidth": 7.0, "headlength": 7.0, "color": BLACK})  # fmt: skip
+        axes.update_datalim([start, start + way])
+    axes.autoscale_view()
+    return axes
+
+
+def plot_wrench_space(
+    points: Any, normals: Any, *, friction: float, outline: Outline, ax: Any = None
+) -> Any:
+    """Draw the hull of the primitive wrenches as a solid body, with the epsilon ball inside.
+
+    Parameters
+    ----------
+    points, normals : array-like, shape (n, 2)
+        Contacts [m], [1].
+    friction : float
+        Coefficient of friction [1].
+    outline : Outline
+        The object, for centre and length of the torques.
+    ax : matplotlib Axes3D, optional
+        Where to draw.
+
+    Returns
+    -------
+    matplotlib Axes3D
+        Forces [N] and torque over characteristic length [N], normal forces adding up to 1 N.
+    """
+    axes = axes_or_new(ax, projection="3d")
+    wrenches = primitive_wrenches(points, normals, friction=friction, outline=outline)
+    if np.linalg.matrix_rank(wrenches - wrenches.mean(axis=0), tol=1e-9) == 3:
+        hull = ConvexHull(wrenches)
+        body = Poly3DCollection(wrenches[hull.simplices], alpha=0.25, facecolor=SKY,
+                                edgecolor=BLUE, lw=0.5)  # fmt: skip
+        axes.add_collection3d(body)
+    axes.scatter(*wrenches.T, color=BLUE, s=12)
+    radius = epsilon(points, normals, friction=friction, outline=outline).lower
+    if radius > 0.0:
+        u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 25), np.linspace(0, np.pi, 13))
+        ball = radius * np.array([np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)])
+        axes.plot_surface(*ball, color=ORANGE, alpha=0.9, lw=0)
+    axes.scatter([0], [0], [0], color=BLACK, s=20)
+    reach = 1.05 * np.abs(wrenches).max()
+    axes.set(xlabel="fx [N]", ylabel="fy [N]", zlabel="torque / length [N]",
+             xlim=(-reach, reach), ylim=(-reach, reach), zlim=(-reach, reach))  # fmt: skip
+    axes.set_title(f"epsilon {radius:.3f} N" if radius > 0 else "the origin is not inside")
+    return axes
+
+
+def plot_edge_pair(outline: Outline, pair: EdgePair, *, ax: Any = None) -> Any:
+    """Draw the independent intervals of a pair of edges on the outline."""
+    axes = plot_outline(outline, ax=ax)
+    for edge, interval, color in zip(
+        (pair.first, pair.second), pair.independent, (BLUE, ORANGE), strict=True
+    ):
+        ends = outline.starts[edge] + interval[:, None] * outline.tangents[edge]
+        axes.plot(*(1e3 * ends.T), color=color, lw=6, marker="", solid_capstyle="butt", zorder=3)
+    axes.set_title(f"edges {pair.first} and {pair.second}: {1e3 * pair.room:.1f} mm of room")
     return axes

@@ -168,7 +168,7 @@ def squeeze(
     True
     """
     mu = nonnegative(friction, "friction")
-    contacts = points_array([p1, p2], 2, "contact points")
+    contacts = points_array([np.asarray(p1), np.asarray(p2)], 2, "contact points")
     _check_contacts(outline, contacts)
     bench = build_bench(
         outline, contacts, friction=mu, settings=settings, fixture=fixture, offset=offset
