@@ -23,6 +23,10 @@ GROUP_SIZE = 24
 NEVER_NEAR, PROBES = 0.004, 400
 
 
+#: Arrays taken over from the kinematic tree.
+TREE = ("parent", "placement", "axis", "kind", "coordinate", "multiplier", "offset")
+
+
 class ClosingHand(NamedTuple):
     """A hand prepared for closing (arrays only, so that kernels take it).
 
@@ -100,9 +104,10 @@ def closing_hand(
         float(np.linalg.norm(g - c, axis=1).max()) for g, c in zip(groups, centers, strict=True)
     ]
     steps = _closing_steps(hand, finger_order)
+    # copies: kernels are compiled for writable arrays
+    tree = {name: getattr(hand.tree, name).copy() for name in TREE}
     built = ClosingHand(
-        # copies: kernels are compiled for writable arrays
-        *(array.copy() for array in hand.tree.arrays),
+        **tree,
         body_link=np.array([body.link for body in hand.bodies], dtype=np.int64),
         plane_start=_starts([len(planes) for planes, _ in shapes]),
         planes=np.vstack([planes for planes, _ in shapes]),

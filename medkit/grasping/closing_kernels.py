@@ -267,3 +267,13 @@ def _way_out(field: Any, hand: Any, body: int, approach: np.ndarray, work: Any) 
                     way = min(way, height / work.slope[f])
             need = max(need, max(way, 0.0) + CLEAR)
     return need
+
+
+@njit(cache=True)
+def close_fingers(
+    field: Any, hand: Any, base: np.ndarray, q: np.ndarray, stops: np.ndarray, work: Any
+) -> None:
+    """Close finger by finger, joint by joint from palm to tip; `stops` (k,) says how each ended."""
+    place_links(hand, q, base, work)
+    for step in range(hand.joint.shape[0]):
+        stops[step] = advance_joint(field, hand, base, q, step, work)

@@ -1,0 +1,235 @@
+"""The grasp file: JSON of schema ``medkit.grasps/1``, written whole or not at all."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from medkit.errors import InputError
+from medkit.files import write_text
+from medkit.grasping.grasp_set import Grasp, GraspSet, ObjectRecord
+
+SCHEMA = "medkit.grasps/1"
+#: Keys that a grasp file must have, with the type of their values.
+TOP: dict[str, type | tuple[type, ...]] = {
+    "schema": str,
+    "object": dict,
+    "hand": str,
+    "planner": str,
+    "grasp": str,
+    "parameters": dict,
+    "counts": dict,
+    "timing_s": dict,
+    "grasps": list,
+}
+OBJECT = ("path", "sha256", "scale", "extents", "center_mass", "repairs")
+#: Keys of one grasp with the shape of their numbers.
+SHAPES: dict[str, tuple[int, ...]] = {
+    "pose": (4, 4),
+    "pregrasp": (4, 4),
+    "approach": (3,),
+    "closing_axis": (3,),
+    "grasp_point": (3,),
+    "sphere_radius": (),
+    "epsilon": (),
+}
+
+
+def grasp_document(found: GraspSet) -> dict[str, Any]:
+    """A grasp set as a document of schema ``medkit.grasps/1`` (lists, numbers and strings)."""
+    record = found.object
+    return {
+        "schema": SCHEMA,
+        "object": {
+            "path": record.path,
+            "sha256": record.sha256,
+            "scale": record.scale,
+            "extents": record.extents.tolist(),
+            "center_mass": record.center_mass.tolist(),
+            "repairs": list(record.repairs),
+        },
+        "hand": found.hand,
+        "planner": found.planner,
+        "grasp": found.grasp,
+        "parameters": dict(found.parameters),
+        "seed": found.seed,
+        "counts": {
+            "spheres": int(sum(found.sphere_counts.values())),
+            "sphere_fates": dict(found.sphere_counts),
+            "candidates_found": found.candidates_found,
+            "candidates": len(found),
+            **found.outcomes,
+        },
+        "timing_s": {name: round(value, 6) for name, value in found.timing.items()},
+        "grasps": [_grasp_entry(grasp, found.joint_names) for grasp in found.grasps],
+    }
+
+
+def write_grasps(path: str | os.PathLike[str], found: GraspSet) -> None:
+    """Write a grasp set to a file, whole or not at all.
+
+    Parameters
+    ----------
+    path : path-like
+        The JSON file to write.
+    found : GraspSet
+        The grasps.
+
+    Raises
+    ------
+    InputError
+        If the folder does not exist or cannot be written.
+    """
+    write_text(path, json.dumps(grasp_document(found), allow_nan=False) + "\n")
+
+
+def read_grasps(path: str | os.PathLike[str]) -> GraspSet:
+    """Read a grasp file and check it.
+
+    Parameters
+    ----------
+    path : path-like
+        A JSON file of schema ``medkit.grasps/1``.
+
+    Returns
+    -------
+    GraspSet
+        What was written.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, is no JSON, or breaks the schema; the message names the place.
+    """
+    file = Path(path)
+    try:
+        document = json.loads(file.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(
+            f"Expected a grasp file, but {file} cannot be read ({error.strerror}); check the path."
+        ) from error
+    except ValueError as error:
+        raise InputError(
+            f"Expected JSON in {file.name}, but {error}; write it with medkit plan."
+        ) from error
+    return grasps_from_document(document, name=file.name)
+
+
+def grasps_from_document(document: Any, *, name: str = "the document") -> GraspSet:
+    """Check a document of schema ``medkit.grasps/1`` and build the grasp set."""
+    _check_top(document, name)
+    known = document["object"]
+    entries = document["grasps"]
+    joints = tuple(entries[0].get("joints", ())) if entries else ()
+    grasps = tuple(
+        _grasp(entry, joints, f"grasps[{k}] of {name}") for k, entry in enumerate(entries)
+    )
+    counts = document["counts"]
+    return GraspSet(
+        object=ObjectRecord(
+            str(known["path"]),
+            str(known["sha256"]),
+            float(known["scale"]),
+            _numbers(known, "extents", (3,), f"object of {name}"),
+            _numbers(known, "center_mass", (3,), f"object of {name}"),
+            tuple(str(repair) for repair in known["repairs"]),
+        ),
+        hand=document["hand"],
+        planner=document["planner"],
+        grasp=document["grasp"],
+        joint_names=joints,
+        parameters=document["parameters"],
+        seed=document.get("seed"),
+        sphere_counts=counts.get("sphere_fates", {}),
+        candidates_found=int(counts.get("candidates_found", len(grasps))),
+        timing=document["timing_s"],
+        grasps=grasps,
+    )
+
+
+def _grasp_entry(grasp: Grasp, joint_names: Sequence[str]) -> dict[str, Any]:
+    return {
+        "outcome": grasp.outcome,
+        "pose": grasp.pose.tolist(),
+        "joints": dict(zip(joint_names, grasp.q.tolist(), strict=True)),
+        "approach": grasp.approach.tolist(),
+        "closing_axis": grasp.closing_axis.tolist(),
+        "grasp_point": grasp.grasp_point.tolist(),
+        "sphere_radius": grasp.sphere_radius,
+        "contacts": [
+            {"point": point.tolist(), "normal": normal.tolist(), "link": link}
+            for point, normal, link in zip(grasp.points, grasp.normals, grasp.links, strict=True)
+        ],
+        "epsilon": grasp.epsilon,
+        "pregrasp": grasp.pregrasp.tolist(),
+    }
+
+
+def _check_top(document: Any, name: str) -> None:
+    if not isinstance(document, Mapping) or document.get("schema") != SCHEMA:
+        came = document.get("schema") if isinstance(document, Mapping) else type(document).__name__
+        raise InputError(f"Expected schema {SCHEMA!r} in {name}, but got {came!r}; plan it anew.")
+    for key, kind in TOP.items():
+        if not isinstance(document.get(key), kind):
+            raise InputError(
+                f"Expected {key!r} in {name} to be a {getattr(kind, '__name__', kind)}, but got"
+                f" {type(document.get(key)).__name__}; write the file with medkit plan."
+            )
+    missing = [key for key in OBJECT if key not in document["object"]]
+    if missing:
+        raise InputError(
+            f"Expected {missing[0]!r} in the object of {name}, but it is missing; add it."
+        )
+
+
+def _grasp(entry: Any, joint_names: Sequence[str], place: str) -> Grasp:
+    if not isinstance(entry, Mapping) or not isinstance(entry.get("outcome"), str):
+        raise InputError(f"Expected an outcome in {place}, but there is none; add it.")
+    joints = entry.get("joints")
+    if not isinstance(joints, Mapping) or tuple(joints) != tuple(joint_names):
+        raise InputError(
+            f"Expected the joints {', '.join(joint_names)} in {place}, but got {joints!r};"
+            " every grasp names the same joints."
+        )
+    numbers = {key: _numbers(entry, key, shape, place) for key, shape in SHAPES.items()}
+    contacts = entry.get("contacts")
+    if not isinstance(contacts, list):
+        raise InputError(f"Expected a list of contacts in {place}, but got {contacts!r}; add one.")
+    rows = [
+        (_numbers(c, "point", (3,), place), _numbers(c, "normal", (3,), place), str(c.get("link")))
+        for c in contacts
+    ]
+    return Grasp(
+        outcome=entry["outcome"],
+        pose=numbers["pose"],
+        pregrasp=numbers["pregrasp"],
+        q=np.array([float(value) for value in joints.values()]),
+        approach=numbers["approach"],
+        closing_axis=numbers["closing_axis"],
+        grasp_point=numbers["grasp_point"],
+        sphere_radius=float(numbers["sphere_radius"]),
+        points=np.array([row[0] for row in rows]).reshape(-1, 3),
+        normals=np.array([row[1] for row in rows]).reshape(-1, 3),
+        links=tuple(row[2] for row in rows),
+        epsilon=float(numbers["epsilon"]),
+    )
+
+
+def _numbers(entry: Any, key: str, shape: tuple[int, ...], place: str) -> Any:
+    try:
+        array = np.array(entry[key], dtype=float)
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(
+            f"Expected numbers of shape {shape} for {key!r} in {place}, but found none; add them."
+        ) from error
+    if array.shape != shape or not np.isfinite(array).all():
+        raise InputError(
+            f"Expected finite numbers of shape {shape} for {key!r} in {place}, but got shape"
+            f" {array.shape}; correct the entry."
+        )
+    return array

@@ -1,0 +1,405 @@
+"""Planners: a generator of candidates times a closing strategy, then quality."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from medkit.errors import InputError
+from medkit.geometry import Floats, nonnegative
+from medkit.grasping.candidates import CandidateGrasps, candidates_from_axis
+from medkit.grasping.distance_grid import object_field
+from medkit.grasping.grasp_set import (
+    FORCE_CLOSURE,
+    NOT_FORCE_CLOSURE,
+    START_COLLISION,
+    TOO_FEW_CONTACTS,
+    Grasp,
+    GraspSet,
+    ObjectRecord,
+)
+from medkit.grasping.medial import medial_axis
+from medkit.grasping.power import Contacts, PowerCloser
+from medkit.meshes import mass_properties
+from medkit.quality import epsilon
+from medkit.robots.hand import Hand
+
+if TYPE_CHECKING:
+    import trimesh
+
+#: Hard point contacts below this number cannot hold a body against every wrench.
+MIN_CONTACTS = 3
+#: How far [m] the hand stands off in the pose before the grasp.
+PREGRASP_WAY = 0.1
+#: Candidates that are tested when nothing else is asked for (P13 5.1.3: about 300 an object).
+DEFAULT_CANDIDATES = 400
+
+Progress = Callable[[Iterable[Any], int], Iterable[Any]]
+
+
+@dataclass(frozen=True)
+class Quality:
+    """What epsilon needs besides the contacts: friction, centre (3,) [m], torque scale [m]."""
+
+    friction: float
+    center: Floats
+    torque_scale: float
+
+    def epsilon(self, contacts: Contacts) -> float:
+        """L1 epsilon of 8-edge cones [N]; 0 when not force-closure (P13 4.6.2)."""
+        return epsilon(
+            contacts.points,
+            contacts.normals,
+            friction=self.friction,
+            torque_origin=self.center,
+            torque_scale=self.torque_scale,
+        ).lower
+
+
+def plan_grasps(
+    mesh: trimesh.Trimesh,
+    hand: Hand,
+    *,
+    grasp: str = "power",
+    planner: str = "medial",
+    friction: float = 0.5,
+    search_radius: float = 0.03,
+    min_radius_ratio: float = 0.5,
+    max_candidates: int | None = DEFAULT_CANDIDATES,
+    rng: np.random.Generator,
+    jobs: int = 1,
+    progress: Progress | None = None,
+) -> GraspSet:
+    """Plan grasps of an object with a hand (P13 ch. 4 and 5.1).
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh
+        A closed mesh with outward normals [m], as `medkit.meshes.repair_mesh` returns it.
+    hand : Hand
+        The hand.
+    grasp : str
+        Closing strategy, one of `TESTERS`: ``"power"`` or ``"precision"``.
+    planner : str
+        Generator of candidates, one of `CANDIDATE_SOURCES`: ``"medial"`` as published,
+        ``"medial-plus"`` with the improvements of `medkit.grasping.improved`, or a baseline.
+    friction : float
+        Friction coefficient of hard point contacts [1].
+    search_radius : float
+        Radius of the symmetry analysis, P13's r_N [m].
+    min_radius_ratio : float
+        Medial spheres below this share of the largest are dropped [1].
+    max_candidates : int or None
+        Candidates to test at most, those of spheres drawn with `rng`; None for all.
+    rng : numpy.random.Generator
+        Draws the spheres when there are more candidates than asked for.
+    jobs : int
+        Processes; the result does not depend on it.
+    progress : callable, optional
+        Called as ``progress(results, total)``, returns the iterable to walk, for a bar.
+
+    Returns
+    -------
+    GraspSet
+        Every tested candidate with its outcome.
+
+    Raises
+    ------
+    InputError
+        If an argument is out of range or a name is unknown.
+    """
+    nonnegative(friction, "friction")
+    source = looked_up(CANDIDATE_SOURCES, planner, "planner")
+    make_tester = looked_up(TESTERS, grasp, "kind of grasp")
+    watch = Stopwatch()
+    candidates = source(
+        mesh,
+        hand,
+        grasp=grasp,
+        search_radius=search_radius,
+        min_radius_ratio=min_radius_ratio,
+        watch=watch,
+    )
+    watch.lap("symmetry")
+    chosen = choose_candidates(candidates, max_candidates, rng)
+    body = mass_properties(mesh)
+    quality = Quality(friction, body.center_mass, body.torque_scale)
+    tester = make_tester(hand, np.asarray(mesh.triangles, dtype=float), quality)
+    tested = tuple(run_candidates(tester, chosen, jobs=jobs, progress=progress))
+    watch.lap("closing")
+    return GraspSet(
+        object=object_record(mesh, body.center_mass),
+        hand=hand.name,
+        planner=planner,
+        grasp=grasp,
+        joint_names=hand.joint_names,
+        parameters={
+            "friction": friction,
+            "search_radius": search_radius,
+            "min_radius_ratio": min_radius_ratio,
+            "max_candidates": max_candidates,
+        },
+        seed=None,
+        sphere_counts=candidates.fate_counts(),
+        candidates_found=len(candidates),
+        timing=_timing(watch, sum(spent for _, spent in tested)),
+        grasps=tuple(one for one, _ in tested),
+    )
+
+
+def plan_power_grasps(
+    mesh: trimesh.Trimesh,
+    hand: Hand,
+    *,
+    friction: float = 0.5,
+    search_radius: float = 0.03,
+    min_radius_ratio: float = 0.5,
+    max_candidates: int | None = DEFAULT_CANDIDATES,
+    planner: str = "medial",
+    rng: np.random.Generator,
+    jobs: int = 1,
+    progress: Progress | None = None,
+) -> GraspSet:
+    """Plan power grasps: `plan_grasps` with ``grasp="power"`` (P13 ch. 4, algorithms 1 to 5).
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from medkit.robots import load_hand
+    >>> bar = trimesh.creation.capsule(0.15, 0.02)
+    >>> found = plan_power_grasps(
+    ...     bar, load_hand("armar3"), max_candidates=8, rng=np.random.default_rng(0)
+    ... )
+    >>> len(found), bool(found.force_closure.any())
+    (8, True)
+    """
+    return plan_grasps(
+        mesh,
+        hand,
+        grasp="power",
+        planner=planner,
+        friction=friction,
+        search_radius=search_radius,
+        min_radius_ratio=min_radius_ratio,
+        max_candidates=max_candidates,
+        rng=rng,
+        jobs=jobs,
+        progress=progress,
+    )
+
+
+def _timing(watch: Stopwatch, quality: float) -> dict[str, float]:
+    """Time of each stage [s]; with several processes quality counts what all of them spent."""
+    laps = {stage: watch.laps.get(stage, 0.0) for stage in STAGES}
+    laps["quality"] = quality
+    laps["closing"] = max(laps["closing"] - quality, 0.0)
+    laps["total"] = watch.total()
+    return laps
+
+
+STAGES = ("medial", "symmetry", "closing", "quality", "total")
+
+
+class Stopwatch:
+    """Wall time of named laps [s]."""
+
+    def __init__(self) -> None:
+        self.laps: dict[str, float] = {}
+        self._begin = self._last = time.perf_counter()
+
+    def lap(self, name: str) -> None:
+        """Book the time since the last lap under `name`."""
+        now = time.perf_counter()
+        self.laps[name] = self.laps.get(name, 0.0) + now - self._last
+        self._last = now
+
+    def total(self) -> float:
+        """Time since the start [s]."""
+        return time.perf_counter() - self._begin
+
+
+def medial_candidates(
+    mesh: trimesh.Trimesh,
+    hand: Hand,
+    *,
+    grasp: str,
+    search_radius: float,
+    min_radius_ratio: float,
+    watch: Stopwatch,
+) -> CandidateGrasps:
+    """Candidates of the published planner (P13 algorithm 1)."""
+    axis = medial_axis(mesh)
+    watch.lap("medial")
+    return candidates_from_axis(
+        axis,
+        search_radius=search_radius,
+        min_radius_ratio=min_radius_ratio,
+        hand_radii=hand.sphere_radii,
+    )
+
+
+def power_tester(hand: Hand, triangles: Floats, quality: Quality) -> PowerTester:
+    """The closing strategy of power grasps (P13 algorithm 4)."""
+    return PowerTester(PowerCloser(hand, object_field(triangles)), quality)
+
+
+#: Candidate generators by the name of their planner, as "module:function". Each is called as
+#: ``(mesh, hand, *, grasp, search_radius, min_radius_ratio, watch) -> CandidateGrasps``.
+CANDIDATE_SOURCES = {
+    "medial": "medkit.grasping.planners:medial_candidates",
+    "normals": "medkit.grasping.baselines:normal_candidates",
+    "boxes": "medkit.grasping.baselines:box_candidates",
+}
+#: Closing strategies by the kind of grasp, as "module:function". Each is called as
+#: ``(hand, triangles, quality)`` and returns a tester like `PowerTester`.
+TESTERS = {
+    "power": "medkit.grasping.planners:power_tester",
+    "precision": "medkit.grasping.precision:precision_tester",
+}
+
+
+def looked_up(table: Mapping[str, str], name: str, what: str) -> Callable[..., Any]:
+    """The function behind a name in a table of "module:function"; `InputError` if unknown."""
+    if name not in table:
+        known = ", ".join(sorted(table))
+        raise InputError(f"Expected a {what} ({known}), but got {name!r}; name one of them.")
+    module, _, function = table[name].partition(":")
+    return cast(Callable[..., Any], getattr(import_module(module), function))
+
+
+def choose_candidates(
+    candidates: CandidateGrasps, most: int | None, rng: np.random.Generator
+) -> CandidateGrasps:
+    """At most so many candidates: all those of spheres drawn without replacement, in order."""
+    if most is None or len(candidates) <= most:
+        return candidates
+    if most < 1:
+        raise InputError(f"Expected at least one candidate, but got {most}; give a larger number.")
+    _, groups = np.unique(candidates.sphere, return_inverse=True)
+    place = np.argsort(rng.permutation(groups.max() + 1))
+    order = np.argsort(place[groups], kind="stable")
+    return candidates.select(np.sort(order[:most]))
+
+
+class PowerTester:
+    """Closes the hand on a candidate and judges the result."""
+
+    def __init__(self, closer: PowerCloser, quality: Quality) -> None:
+        self.closer = closer
+        self.quality = quality
+
+    def parts(self) -> dict[str, Any]:
+        """What another process needs to build the same tester."""
+        return {
+            "hand": self.closer.hand,
+            "triangles": self.closer.field.triangles,
+            "quality": self.quality,
+        }
+
+    @classmethod
+    def from_parts(cls, parts: Mapping[str, Any]) -> PowerTester:
+        """Build a tester from `parts`."""
+        field = object_field(parts["triangles"])
+        return cls(PowerCloser(parts["hand"], field), parts["quality"])
+
+    def test(
+        self, point: Floats, approach: Floats, closing_axis: Floats, radius: float
+    ) -> tuple[Grasp, float]:
+        """The tested grasp, and the time that its quality took [s]."""
+        closed = self.closer.close(point, approach, closing_axis)
+        begin = time.perf_counter()
+        value, outcome = judge(closed.contacts, self.quality, started=closed.started)
+        spent = time.perf_counter() - begin
+        pregrasp = closed.pose.copy()
+        pregrasp[:3, 3] -= PREGRASP_WAY * approach
+        hand = self.closer.hand
+        links = tuple(hand.link_names[hand.bodies[b].link] for b in closed.contacts.bodies)
+        grasp = Grasp(
+            outcome,
+            closed.pose,
+            pregrasp,
+            closed.q,
+            approach,
+            closing_axis,
+            point,
+            radius,
+            closed.contacts.points,
+            closed.contacts.normals,
+            links,
+            value,
+        )
+        return grasp, spent
+
+
+def judge(contacts: Contacts, quality: Quality, *, started: bool = True) -> tuple[float, str]:
+    """Epsilon [N] and outcome of a closed hand."""
+    if not started:
+        return 0.0, START_COLLISION
+    if len(contacts.points) < MIN_CONTACTS:
+        return 0.0, TOO_FEW_CONTACTS
+    value = quality.epsilon(contacts)
+    return (value, FORCE_CLOSURE) if value > 0.0 else (0.0, NOT_FORCE_CLOSURE)
+
+
+def run_candidates(
+    tester: PowerTester,
+    candidates: CandidateGrasps,
+    *,
+    jobs: int = 1,
+    progress: Progress | None = None,
+) -> Iterator[tuple[Grasp, float]]:
+    """Test candidates one after the other, in this process or in several; same order, same result.
+
+    Parameters
+    ----------
+    tester : PowerTester
+        Or anything with its `test`.
+    candidates : CandidateGrasps
+        The candidates.
+    jobs : int
+        Number of processes.
+    progress : callable, optional
+        Wraps the iterable of results.
+    """
+    rows = [
+        (
+            candidates.grasp_point[k],
+            candidates.approach[k],
+            candidates.closing_axis[k],
+            float(candidates.radius[k]),
+        )
+        for k in range(len(candidates))
+    ]
+    if jobs <= 1 or len(rows) < 2 * jobs:
+        results: Iterable[tuple[Grasp, float]] = (tester.test(*row) for row in rows)
+        yield from progress(results, len(rows)) if progress else results
+        return
+    from medkit.grasping.parallel import tested_in_processes
+
+    results = tested_in_processes(tester, rows, jobs)
+    yield from progress(results, len(rows)) if progress else results
+
+
+def object_record(mesh: trimesh.Trimesh, center: Floats, **known: Any) -> ObjectRecord:
+    """What is known of an object: hash of its arrays until a file is named."""
+    digest = hashlib.sha256(np.ascontiguousarray(mesh.vertices, dtype="<f8").tobytes())
+    digest.update(np.ascontiguousarray(mesh.faces, dtype="<i8").tobytes())
+    record = ObjectRecord(
+        path="",
+        sha256=digest.hexdigest(),
+        scale=1.0,
+        extents=np.asarray(mesh.extents, dtype=float),
+        center_mass=np.asarray(center, dtype=float),
+    )
+    return replace(record, **known)
+
+
+def with_origin(found: GraspSet, *, seed: int | None, **known: Any) -> GraspSet:
+    """The same result with the file, scale and repairs of its object, and the seed."""
+    return replace(found, seed=seed, object=replace(found.object, **known))

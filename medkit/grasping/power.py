@@ -1,0 +1,162 @@
+"""Power grasps: lay the hand onto a candidate, back off, close, read the contacts (P13 4.6).
+
+Published procedure, with the errors of algorithm 5 as printed put right: `body_kernels` and
+`closing_kernels` hold the compiled pieces, which other closing strategies build on too.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from medkit.geometry import Floats
+from medkit.grasping.body_kernels import Workspace, workspace
+from medkit.grasping.closing_hand import ClosingHand, closing_hand, hand_rotation
+from medkit.grasping.closing_kernels import close_fingers, place_links, retreat
+from medkit.grasping.contact_kernels import COLUMNS, SPOTS, hand_contacts
+from medkit.grasping.distance_grid import ObjectField
+from medkit.robots.hand import Hand
+
+#: A face of the object this near [m] to a link of the closed hand touches it: pads give a little.
+CONTACT_TOLERANCE = 0.0005
+#: Contacts of one body keep at least this distance [m], and there are at most so many.
+CONTACT_SEPARATION, CONTACTS_PER_BODY = 0.005, 4
+#: Surfaces of hand and object that oppose each other by less than this touch at an edge only.
+MIN_OPPOSITION = float(np.cos(np.radians(60.0)))
+#: Largest retreat [m]; a hand that is not free by then never had the object before it.
+MAX_RETREAT = 1.0
+
+
+@dataclass(frozen=True)
+class Contacts:
+    """Contacts of one closed hand: points (n, 3) [m], inward normals (n, 3), bodies (n,)."""
+
+    points: Floats
+    normals: Floats
+    bodies: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class ClosedGrasp:
+    """One closed hand.
+
+    Attributes
+    ----------
+    pose : ndarray, shape (4, 4)
+        ``T_object_hand`` of the hand base [m].
+    q : ndarray, shape (nq,)
+        Joint coordinates [rad or m].
+    contacts : Contacts
+        Where the hand lies on the object.
+    retreat : float
+        How far the hand was drawn back from the grasp point [m]; negative when it never came
+        free.
+    stops : ndarray of int, shape (k,)
+        How each closing joint stopped: 1 touch, 2 the hand itself, 3 joint limit.
+    """
+
+    pose: Floats
+    q: Floats
+    contacts: Contacts
+    retreat: float
+    stops: NDArray[np.int64]
+
+    @property
+    def started(self) -> bool:
+        """Whether the hand came free of the object before it closed."""
+        return self.retreat >= 0.0
+
+
+class PowerCloser:
+    """Closes one hand around one object, candidate after candidate.
+
+    Parameters
+    ----------
+    hand : Hand
+        The hand.
+    field : ObjectField
+        The object, from `object_field`.
+    finger_order : tuple of str, optional
+        Order in which the fingers close; the hand's own when left out.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from medkit.grasping.distance_grid import object_field
+    >>> from medkit.robots import load_hand
+    >>> bar = trimesh.creation.cylinder(0.02, 0.2)
+    >>> closer = PowerCloser(load_hand("armar3"), object_field(bar.triangles))
+    >>> grasp = closer.close(np.zeros(3), np.array([1.0, 0, 0]), np.array([0, 0, 1.0]))
+    >>> len(set(grasp.contacts.bodies)) > 4
+    True
+    """
+
+    def __init__(
+        self, hand: Hand, field: ObjectField, *, finger_order: tuple[str, ...] | None = None
+    ) -> None:
+        self.hand = hand
+        self.field = field
+        self.arrays: ClosingHand = closing_hand(hand, finger_order=finger_order)
+        self.work: Workspace = workspace(field, self.arrays)
+        self._spots = np.zeros((SPOTS, COLUMNS))
+        self._rows = np.zeros((CONTACTS_PER_BODY * len(hand.bodies), COLUMNS))
+
+    def start_pose(self, grasp_point: Floats, approach: Floats, closing_axis: Floats) -> Floats:
+        """``T_object_hand`` with the hand's power frame at the grasp point (P13 4.29)."""
+        pose = np.eye(4)
+        pose[:3, :3] = hand_rotation(approach[None], closing_axis[None], self.hand)[0]
+        pose[:3, 3] = grasp_point - pose[:3, :3] @ self.hand.T_hand_power[:3, 3]
+        return pose
+
+    def close(self, grasp_point: Floats, approach: Floats, closing_axis: Floats) -> ClosedGrasp:
+        """Simulate one power grasp (P13 algorithm 4).
+
+        Parameters
+        ----------
+        grasp_point : ndarray, shape (3,)
+            Where the power frame of the hand goes [m].
+        approach, closing_axis : ndarray, shape (3,)
+            Unit directions, see `CandidateGrasps`.
+
+        Returns
+        -------
+        ClosedGrasp
+            Pose, joints, contacts, and how the joints stopped.
+        """
+        pose = self.start_pose(grasp_point, approach, closing_axis)
+        return self.close_from(pose, np.ascontiguousarray(approach, dtype=float))
+
+    def close_from(self, pose: Floats, approach: Floats) -> ClosedGrasp:
+        """Back off from `pose` (4, 4) against `approach` (3,) until free, then close."""
+        base = np.array(pose, dtype=float)
+        q = self.arrays.preshape.copy()
+        way = retreat(self.field, self.arrays, q, base, approach, MAX_RETREAT, self.work)
+        stops = np.zeros(len(self.arrays.joint), dtype=np.int64)
+        if way < 0.0:
+            nothing = Contacts(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=np.int64))
+            return ClosedGrasp(base, q, nothing, -1.0, stops)
+        close_fingers(self.field, self.arrays, base, q, stops, self.work)
+        return ClosedGrasp(base, q, self.read_contacts(), float(way), stops)
+
+    def contacts(self, pose: Floats, q: Floats) -> Contacts:
+        """Contacts of the hand at a pose (4, 4) and joints (nq,)."""
+        place_links(self.arrays, np.array(q, dtype=float), np.array(pose, dtype=float), self.work)
+        return self.read_contacts()
+
+    def read_contacts(self) -> Contacts:
+        """Contacts of the hand as its links stand in the workspace."""
+        count = hand_contacts(
+            self.field,
+            self.arrays,
+            CONTACT_TOLERANCE,
+            CONTACT_SEPARATION,
+            MIN_OPPOSITION,
+            CONTACTS_PER_BODY,
+            self._spots,
+            self._rows,
+            self.work,
+        )
+        rows = self._rows[:count]
+        return Contacts(rows[:, :3].copy(), rows[:, 3:6].copy(), rows[:, 6].astype(np.int64))
