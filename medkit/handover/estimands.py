@@ -149,9 +149,9 @@ def force_area(cells: RatingCells, multiplicity: Array, values: Array) -> Array:
     forces, widths = force_steps(cells.force)
     block = cells.subject * blocks + cells.pose * len(cells.modes) + cells.mode
     group = block * len(forces) + np.searchsorted(forces, cells.force)
-    member = np.zeros((len(cells), subjects * blocks * len(forces)))
-    member[np.arange(len(cells)), group] = 1.0
-    total, weight = (multiplicity * values) @ member, multiplicity @ member
+    groups = subjects * blocks * len(forces)
+    total = _group_sums(multiplicity * values, group, groups)
+    weight = _group_sums(multiplicity, group, groups)
     with np.errstate(invalid="ignore", divide="ignore"):
         mean = (total / weight).reshape(len(total), subjects, blocks, len(forces))
     return np.asarray((mean * widths).sum(axis=-1))
@@ -178,11 +178,10 @@ def low_force_advantage(cells: RatingCells, multiplicity: Array, limit: float = 
         return _missing(cells, multiplicity)
     subjects, blocks = len(cells.subjects), len(cells.poses) * len(cells.modes)
     group = cells.subject * blocks + cells.pose * len(cells.modes) + cells.mode
-    member = np.zeros((len(cells), subjects * blocks))
-    member[np.arange(len(cells)), group] = 1.0
     shares = []
     for side in (low, rival):
-        sums = [(multiplicity * (cells.counts[:, k] * side)) @ member for k in range(3)]
+        weighted = [multiplicity * (cells.counts[:, k] * side) for k in range(3)]
+        sums = [_group_sums(values, group, subjects * blocks) for values in weighted]
         total = np.stack(sums, axis=-1)
         with np.errstate(invalid="ignore"):
             shares.append(total / total.sum(axis=-1, keepdims=True))
@@ -250,11 +249,9 @@ def _mean_over(values: Array) -> Array:
 
 def _weighted_slope(x: Array, y: Array, multiplicity: Array, group: Array, groups: int) -> Array:
     """Return the least-squares slope of y over x in every group, (m, groups)."""
-    member = np.zeros((len(x), groups))
-    member[np.arange(len(x)), group] = 1.0
 
     def sums(values: Array) -> Array:
-        return np.asarray((multiplicity * values) @ member)
+        return _group_sums(multiplicity * values, group, groups)
 
     n, sx, sy = sums(np.ones(len(x))), sums(x), sums(y)
     spread = n * sums(x * x) - sx**2
@@ -269,3 +266,8 @@ def _weighted_slope(x: Array, y: Array, multiplicity: Array, group: Array, group
 def block_names(cells: RatingCells) -> Sequence[str]:
     """Return the names of the pose-mode blocks in the order of the last axis above."""
     return [f"{pose}, {mode}" for pose in cells.poses for mode in cells.modes]
+
+
+def _group_sums(values: Array, group: Array, groups: int) -> Array:
+    """Add up the columns of `values` (m, n) that share a group, (m, groups)."""
+    return np.array([np.bincount(group, row, minlength=groups) for row in values])
