@@ -16,8 +16,13 @@ from medkit.quality import kernels
 CLOSURE_TOLERANCE = 1e-10
 #: Bounds of linearised cones meet this closely, in units of the longest wrench.
 LINEAR_GAP = 1e-12
+#: The same when the polytope had to be grown a second time.
+RETRY_GAP = 1e-9
+#: How far a point must lie beyond a facet to see it, in longest wrenches. Symmetric grasps give
+#: facets in one plane exactly or not at all; those that nearly do so need a second opinion.
+SIGHTS = (1e-10, 1e-13, 1e-8, 1e-12, 1e-15, 1e-9, 1e-7)
 #: Room for facets: first try, and the tries after it; the last one ends with open bounds.
-CAPACITIES = (2**12, 2**16, 2**20)
+CAPACITIES = (2**12, 2**16, 2**18)
 
 # Scratch memory is kept, one per thread: fresh pages would cost more than a small grasp does.
 _kept = threading.local()
@@ -55,18 +60,35 @@ def expand(
 ) -> Expansion:
     """Expand the polytope of each grasp, which owns contacts ``starts[g]`` to ``starts[g + 1]``."""
     count, dimension = len(starts) - 1, cones.centers.shape[1]
-    statuses = np.zeros((count, 2), np.int64)
-    statuses[:, 0] = kernels.FULL
+    statuses = np.full((count, 2), kernels.FULL, np.int64)
     signed, weakest = np.zeros((count, 2)), np.zeros((count, dimension))
-    for capacity in CAPACITIES:
-        kernels.expand(
-            cones.centers, cones.axes, starts, profile, total, tolerance, gap, closure_only,
-            _room(dimension, capacity), statuses, signed, weakest,
-        )  # fmt: skip
-        if not (statuses[:, 0] == kernels.FULL).any():
+    known: Floats | None = None
+    for sight in SIGHTS:
+        meet = gap if known is None else max(gap, RETRY_GAP)
+        for capacity in CAPACITIES:
+            kernels.expand(
+                cones.centers, cones.axes, starts, profile, total, tolerance, meet, sight,
+                closure_only, _room(dimension, capacity), statuses, signed, weakest,
+            )  # fmt: skip
+            if not (statuses[:, 0] == kernels.FULL).any():
+                break
+        failed = statuses[:, 0] == kernels.FAILED
+        if not failed.any():
             break
-    np.maximum(signed, 0.0, out=signed)  # a budget that ran out may leave a negative lower bound
+        known = _narrowed(known, signed, failed)
+        statuses[failed, 0] = kernels.FULL
+    np.maximum(signed, 0.0, out=signed)  # room that ran out may leave a negative lower bound
     return Expansion(statuses[:, 0], statuses[:, 1], signed[:, 0], signed[:, 1], weakest)
+
+
+def _narrowed(known: Floats | None, signed: Floats, failed: NDArray[np.bool_]) -> Floats:
+    """Both bounds of failed tries hold, so keep the better of each."""
+    if known is None:
+        known = np.tile([-np.inf, np.inf], (len(signed), 1))
+    known[failed, 0] = np.maximum(known[failed, 0], signed[failed, 0])
+    known[failed, 1] = np.minimum(known[failed, 1], signed[failed, 1])
+    signed[failed] = known[failed]
+    return known
 
 
 def _room(dimension: int, capacity: int) -> kernels.Workspace:

@@ -156,9 +156,22 @@ def _first_facets(work, basis, edge, u):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def _grow(
-    centers, axes, profile, total, tolerance, gap, closure_only, work, basis, edge, u, shadow, best
-):  # type: ignore[no-untyped-def]
+def _grow(  # type: ignore[no-untyped-def]
+    centers,
+    axes,
+    profile,
+    total,
+    tolerance,
+    gap,
+    sight,
+    closure_only,
+    work,
+    basis,
+    edge,
+    u,
+    shadow,
+    best,
+):
     """Expand one grasp's polytope; a status, both bounds, and the points added."""
     d = u.shape[0]
     points, facets, planes, counts = work.points, work.facets, work.planes, work.counts
@@ -195,7 +208,7 @@ def _grow(
             return OPEN, 0.0, 0.0, turn
         if height - lower <= gap:
             return CONVERGED, min(lower, upper), upper, turn
-        seen = find_visible(work, row, vertex, turn, tolerance)
+        seen = find_visible(work, row, vertex, turn, sight)
         if counts[0] + seen * d > facets.shape[0] or counts[2] + seen * d > work.keys.shape[0]:
             return FULL, lower, upper, turn
         if not attach(work, seen, vertex, turn, upper):
@@ -203,7 +216,7 @@ def _grow(
 
 
 @njit(cache=True, error_model="numpy")
-def expand(
+def expand(  # type: ignore[no-untyped-def]
     centers,
     axes,
     starts,
@@ -211,17 +224,19 @@ def expand(
     total,
     tolerance,
     gap,
+    sight,
     closure_only,
     work,
     statuses,
     bounds,
     weakest,
-):  # type: ignore[no-untyped-def]
+):
     """Expand the polytopes of many grasps one after the other.
 
-    Grasp g owns the contacts ``starts[g]`` to ``starts[g + 1]``. `tolerance` and `gap` count in
-    units of a grasp's longest wrench. Writes `statuses` (g, 2) with the points added, `bounds`
-    (g, 2) and `weakest` (g, d). A grasp already done (status not FULL) is left alone.
+    Grasp g owns the contacts ``starts[g]`` to ``starts[g + 1]``. `tolerance`, `gap` and `sight`
+    (how far a point must lie beyond a facet to see it) count in units of a grasp's longest
+    wrench. Writes `statuses` (g, 2) with the points added, `bounds` (g, 2) and `weakest` (g, d).
+    A grasp already done (status not FULL) is left alone.
     """
     d, k = centers.shape[1], axes.shape[1]
     basis, edge, u, shadow = np.zeros((d, d)), np.empty(d), np.empty(d), np.empty(k)
@@ -242,5 +257,5 @@ def expand(
             continue
         statuses[g, 0], bounds[g, 0], bounds[g, 1], statuses[g, 1] = _grow(
             centers[first:last], axes[first:last], profile, total, tolerance * longest,
-            gap * longest, closure_only, work, basis, edge, u, shadow, weakest[g],
+            gap * longest, sight * longest, closure_only, work, basis, edge, u, shadow, weakest[g],
         )  # fmt: skip

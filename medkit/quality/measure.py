@@ -40,7 +40,9 @@ class Epsilon:
     points_added : int
         Support points the polytope took in after its start simplex.
     converged : bool
-        False when the budget ran out first; the bounds hold all the same.
+        False when the room for facets ran out first; the bounds hold all the same. That happens
+        to exact cones on contacts of rotational symmetry, whose weakest directions form a whole
+        family, at tolerances below about 1e-3.
     """
 
     lower: float
@@ -79,7 +81,7 @@ def epsilon(
     norm: Norm = "l1",
     contact: ContactModel = "point",
     patch_radius: float = PATCH_RADIUS,
-    tolerance: float = 1e-6,
+    tolerance: float = 1e-4,
 ) -> Epsilon:
     """Largest wrench, in its weakest direction, that the contacts resist.
 
@@ -108,7 +110,8 @@ def epsilon(
         Radius of a soft finger's patch [m].
     tolerance : float
         How closely the bounds of exact cones meet, in units of the longest wrench [1]. Bounds of
-        linearised cones meet within 1e-12 whatever is given.
+        linearised cones meet within 1e-12 whatever is given (1e-9 where facets lie in one plane
+        almost but not quite, so that the polytope has to be grown a second time).
 
     Returns
     -------
@@ -158,9 +161,27 @@ def epsilon(
     )
 
 
-def _stacked(rows: Sequence[ArrayLike]) -> Floats:
-    arrays = [np.asarray(row, dtype=float) for row in rows if len(row)]  # type: ignore[arg-type]
-    return np.concatenate(arrays) if arrays else np.zeros((0, 3))
+def _stacked(
+    points: Sequence[ArrayLike], normals: Sequence[ArrayLike], friction: float
+) -> tuple[Contacts, NDArray[np.int64]]:
+    """All contacts one after the other, and where each grasp starts."""
+    rows = [np.asarray(row, dtype=float) for row in points]
+    sides = [np.asarray(row, dtype=float) for row in normals]
+    counts = [len(row) for row in rows]
+    if [len(row) for row in sides] != counts:
+        raise InputError(
+            "Expected as many normals as points in every grasp, but the numbers differ between"
+            f" {len(rows)} lists of points and {len(sides)} of normals; pass them in pairs."
+        )
+    filled = [i for i, count in enumerate(counts) if count]
+    if not filled:
+        flat, inward = np.zeros((0, 3)), np.zeros((0, 3))
+    else:
+        flat = np.concatenate([rows[i] for i in filled])
+        inward = np.concatenate([sides[i] for i in filled])
+    starts = np.zeros(len(counts) + 1, np.int64)
+    starts[1:] = np.cumsum(counts)
+    return Contacts(flat, inward, friction), starts
 
 
 def _is_total(norm: str) -> bool:
@@ -180,7 +201,7 @@ def epsilon_many(
     norm: Norm = "l1",
     contact: ContactModel = "point",
     patch_radius: float = PATCH_RADIUS,
-    tolerance: float = 1e-6,
+    tolerance: float = 1e-4,
 ) -> EpsilonBatch:
     """Epsilon of many grasps of one object.
 
@@ -198,14 +219,7 @@ def epsilon_many(
     EpsilonBatch
         Bounds per grasp.
     """
-    counts = [len(p) for p in points]
-    flat = _stacked(points), _stacked(normals)
-    contacts = Contacts(*flat, friction)
-    if [len(n) for n in normals] != counts:
-        raise InputError(
-            "Expected as many normals as points in every grasp, but the numbers differ in grasp"
-            f" {next(i for i, n in enumerate(normals) if len(n) != counts[i])}; pass them in pairs."
-        )
+    contacts, starts = _stacked(points, normals, friction)
     cones = wrench_cones(
         contacts,
         torque_origin=torque_origin,
@@ -216,7 +230,7 @@ def epsilon_many(
     profile = cone_profile(contacts.dimension, contact, edges)
     grown = expand(
         cones,
-        np.concatenate([[0], np.cumsum(counts, dtype=np.int64)]),
+        starts,
         profile,
         total=_is_total(norm),
         gap=LINEAR_GAP if len(profile) else positive(tolerance, "tolerance"),
