@@ -59,11 +59,14 @@ def hand_from_file(path: Path, package_dirs: Sequence[Path] = ()) -> Hand:
             f"Expected schema {SCHEMA!r} in {path.name}, but got {document.text('schema')!r}."
         )
     flip = document.has("mirror_of")
+    if flip:
+        document.allow("schema", "name", "source", "mirror_of", "rename")
     rename: dict[str, str] = {}
     name, source = document.text("name"), document.text("source", "not stated")
     if flip:
         rename = {k: str(v) for k, v in document.section("rename").content.items()}
-        document = read_fields(path.parent / document.text("mirror_of"))
+        path = path.parent / document.text("mirror_of")
+        document = read_fields(path).allow(*KEYS)
     parts = _couple(_read_parts(document, path.parent, package_dirs), document)
     hand = _assemble(document, _limit(parts, document))
     hand = replace(hand, name=name, source=source)
@@ -236,7 +239,10 @@ def _finger(
     bodies: Sequence[LinkBody],
 ) -> Finger:
     fields.allow("name", "joints", "closing", "tip_link", "tip_point", "tip_normal", "end_point")
-    joints = np.array([_index(fields, "joint", j, actuated) for j in fields.names("joints")])
+    names = fields.names("joints")
+    if not names:
+        raise InputError(f"Expected at least one joint for {fields.place}, but got none; name it.")
+    joints = np.array([_index(fields, "joint", name, actuated) for name in names])
     closing = np.ones(len(joints), dtype=np.int64)
     if fields.has("closing"):
         closing = np.asarray(fields.get("closing"))
@@ -295,6 +301,11 @@ def _opposition(document: Fields, fingers: Sequence[Finger]) -> Opposition:
     names = [finger.name for finger in fingers]
     thumb = _index(section, "finger", section.text("thumb"), names)
     others = tuple(_index(section, "finger", n, names) for n in section.names("fingers"))
+    if not others or thumb in others:
+        raise InputError(
+            f"Expected the thumb and at least one other finger in {section.place}, but got"
+            f" {section.content['fingers']}; name who opposes the thumb."
+        )
     return Opposition(thumb, others)
 
 

@@ -126,6 +126,11 @@ class Hand:
     self_collision_pairs: Ints
     source: str
 
+    def __post_init__(self) -> None:
+        # hands are shared: nobody may change another one's preshape
+        for array in (self.limits, *self.preshapes.values()):
+            array.setflags(write=False)
+
     @property
     def max_sphere_radius(self) -> float:
         """Largest radius of a ball that the hand can enclose [m]."""

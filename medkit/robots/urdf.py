@@ -61,7 +61,7 @@ def parts_from_urdf(
     )
     names = {link.joint.name for link in links if link.joint}
     couplings = {
-        joint.get("name", ""): _coupling(joint)
+        joint.get("name", ""): _coupling(joint, path)
         for joint in joints
         if joint.find("mimic") is not None and joint.get("name") in names
     }
@@ -144,17 +144,17 @@ def _joint(element: ET.Element, path: Path) -> Joint | None:
     if kind != "continuous":
         if limit is None:
             raise InputError(f"Joint {name!r} in {path.name} has no <limit>; add one.")
-        bounds = np.array([float(limit.get("lower", "0")), float(limit.get("upper", "0"))])
+        bounds = np.array([_number(limit, "lower", "0", path), _number(limit, "upper", "0", path)])
     return Joint(name, MOVING[kind], unit(vector), bounds)
 
 
-def _coupling(joint: ET.Element) -> Coupling:
+def _coupling(joint: ET.Element, path: Path) -> Coupling:
     mimic = joint.find("mimic")
     assert mimic is not None
     return Coupling(
         mimic.get("joint", ""),
-        float(mimic.get("multiplier", "1")),
-        float(mimic.get("offset", "0")),
+        _number(mimic, "multiplier", "1", path),
+        _number(mimic, "offset", "0", path),
     )
 
 
@@ -166,15 +166,20 @@ def _origin(element: ET.Element, path: Path) -> Floats:
     return transform(turn, _numbers(origin, "xyz", "0 0 0", path))
 
 
-def _numbers(element: ET.Element, key: str, default: str, path: Path) -> Floats:
+def _number(element: ET.Element, key: str, default: str, path: Path) -> float:
+    return float(_numbers(element, key, default, path, 1)[0])
+
+
+def _numbers(element: ET.Element, key: str, default: str, path: Path, count: int = 3) -> Floats:
     text = element.get(key, default)
     try:
         array = np.array([float(part) for part in text.split()])
     except ValueError:
         array = np.empty(0)
-    if array.shape != (3,):
+    if array.shape != (count,) or not np.all(np.isfinite(array)):
+        wanted = "three numbers" if count == 3 else "a number"
         raise InputError(
-            f"Expected three numbers for {key!r} of <{element.tag}> in {path.name}, but got"
+            f"Expected {wanted} for {key!r} of <{element.tag}> in {path.name}, but got"
             f" {text!r}; correct the URDF."
         )
     return array
@@ -196,9 +201,11 @@ def _geometry_points(element: ET.Element, path: Path, package_dirs: Sequence[Pat
         half = 0.5 * _numbers(element, "size", "", path)
         return rounded_box(-half, half)
     if element.tag == "sphere":
-        return sphere_points(np.zeros(3), float(element.get("radius", "0")))
+        return sphere_points(np.zeros(3), _number(element, "radius", "0", path))
     if element.tag == "cylinder":
-        return cylinder_points(float(element.get("radius", "0")), float(element.get("length", "0")))
+        return cylinder_points(
+            _number(element, "radius", "0", path), _number(element, "length", "0", path)
+        )
     if element.tag == "mesh":
         return _mesh_points(element, path, package_dirs)
     raise InputError(

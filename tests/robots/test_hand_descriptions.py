@@ -111,6 +111,11 @@ MISTAKES = {
         set_key("opposition", {"thumb": "thumb", "fingers": ["right"]}),
         "Unknown finger 'thumb'",
     ),
+    "thumb against itself": (
+        set_key("opposition", {"thumb": "left", "fingers": ["left"]}),
+        "at least one other finger",
+    ),
+    "finger without joints": (set_finger("joints", []), "at least one joint"),
     "unknown unit": (set_key("units", {"length": "inch"}), "Unknown unit 'inch'"),
     "both sources": (set_key("links", [{"name": "a"}]), "either 'urdf' or 'links'"),
     "no such urdf": (set_key("urdf", "three_finger.urdf"), "Expected a URDF at .*No such file"),
@@ -134,6 +139,7 @@ URDF_MISTAKES = {
     "no such link": (lambda text: text.replace('child link="right_tip"', 'child link="x"'), "'x'"),
     "words": (lambda text: text.replace('xyz="-0.04 0 0.02"', 'xyz="a b c"'), "'a b c'"),
     "no mesh": (lambda text: text.replace("finger.stl", "f.stl"), "Expected to find the mesh"),
+    "no number": (lambda text: text.replace('upper="1.2"', 'upper="wide"'), "'wide'"),
     "no size": (lambda text: text.replace('size="0.10 0.06 0.04"', ""), "three numbers for 'size'"),
     "flat limits": (lambda text: text.replace('upper="0.02"', 'upper="0"'), "lower limit .*slider"),
 }
@@ -218,3 +224,13 @@ def test_a_hand_can_come_from_an_installed_package(tmp_path, monkeypatch):
     edit = {"package": "fake-hand", "package_dirs": ["share"], "urdf": "share/two_finger.urdf"}
     hand = load_hand(changed(tmp_path, lambda document: document.update(edit)))
     assert hand.joint_names == ("left_knuckle", "slider")
+
+
+def test_a_mirrored_hand_takes_everything_from_its_original(tmp_path):
+    path = tmp_path / "mirrored.yaml"
+    text = "schema: medkit.hand/1\nname: two\nmirror_of: " + str(DATA / "two_finger.yaml")
+    path.write_text(text)
+    assert load_hand(path).name == "two"
+    path.write_text(text + "\npalm_direction: [0, 0, 1]")
+    with pytest.raises(InputError, match="Unexpected key 'palm_direction'"):
+        load_hand(path)
