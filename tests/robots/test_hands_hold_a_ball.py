@@ -33,10 +33,11 @@ def closed_around(hand, radius):
     return collider, q, pose
 
 
+@pytest.mark.parametrize("share", [0.4, 0.7, 1.0])
 @pytest.mark.parametrize("name", ["armar3", "armar3_left", "schunk", "wsg50"])
-def test_thumb_and_opposing_fingers_touch_a_ball_from_both_sides(name):
+def test_thumb_and_opposing_fingers_touch_a_ball_from_both_sides(name, share):
     hand = load_hand(name)
-    radius = 0.5 * (hand.min_sphere_radius + hand.max_sphere_radius)
+    radius = share * hand.max_sphere_radius
     collider, q, pose = closed_around(hand, radius)
     poses = pose @ hand.link_poses(q)
     sides = {}
