@@ -281,9 +281,14 @@ def _reach(shape: Shape, hand: Floats, wrist: Floats, share: Floats, numbers: Pr
     outward[:, 2] = 0.0
     outward /= np.linalg.norm(outward, axis=1, keepdims=True)
     hump = numbers.opening * _opening(share, numbers.peak_aperture_time)
-    ends = np.vstack([hand, wrist])
-    starts = np.vstack([rest_hand, rest_wrist])
-    paths = starts + going[:, :, None] * (ends - starts)
+    # The hand's own form is ready when the aperture peaks; from there on the fingers only close.
+    forming = _minimum_jerk(share / numbers.peak_aperture_time)[:, None, None]
+    middle, rest_middle = hand.mean(axis=0), rest_hand.mean(axis=0)
+    carried = rest_middle + going * (middle - rest_middle)
+    formed = (1.0 - forming) * (rest_hand - rest_middle) + forming * (hand - middle)
+    fingers = carried[:, None, :] + formed
+    wrists = rest_wrist + going * (wrist - rest_wrist)
+    paths = np.concatenate([fingers, wrists[:, None, :]], axis=1)
     paths[:, :5] += hump[:, None, None] * outward
     return np.asarray(paths)
 

@@ -53,7 +53,7 @@ def plot_outline(
 
     ax = axes_or_new(ax)
     (first, second), xlabel, ylabel = VIEWS[view]
-    width, height = 1e3 * float(extents[first]), 1e3 * float(extents[second])
+    width, height = 1e3 * np.asarray(extents, dtype=float)[[first, second]]
     if shape == "cylinder" and view == "above":
         patch: Any = Ellipse((0.0, 0.0), width, height)
     else:
