@@ -158,12 +158,12 @@ function drawScene() {
   gl.depthFunc(gl.LESS);
   drawContacts(grasp, 1);
 }
+function linkPose(grasp, k) {
+  const part = (poses) => Array.from(poses.subarray(16 * k, 16 * k + 16));
+  return byId("pregrasp").checked && grasp.pregrasp ? times(grasp.pregrasp, part(preshape)) : part(grasp.poses);
+}
 function drawHand(grasp, opacity) {
-  const before = byId("pregrasp").checked && grasp.pregrasp;
-  links.forEach((link, k) => {
-    const own = before ? times(grasp.pregrasp, Array.from(preshape.subarray(16 * k, 16 * k + 16))) : Array.from(grasp.poses.subarray(16 * k, 16 * k + 16));
-    paint.draw(link.mesh, own, colour(link.colour, opacity));
-  });
+  links.forEach((link, k) => paint.draw(link.mesh, linkPose(grasp, k), colour(link.colour, opacity)));
 }
 function drawContacts(grasp, opacity) {
   const small = 0.017 * size;
@@ -187,12 +187,13 @@ const words = (text) => text.replaceAll("_", " ");
 const digits = (value, unit = "") => (value === null ? "not known" : `${Number(value).toPrecision(3)}${unit}`);
 // Look from the side of the hand, a little past it, so that palm, fingers and object are all seen.
 function follow(grasp) {
-  const before = byId("pregrasp").checked && grasp.pregrasp, poses = grasp.poses, count = links.length;
-  const hand = [12, 13, 14].map((k) => links.reduce((sum, _, n) => sum + poses[16 * n + k], 0) / count);
-  const side = add(hand, centre, -1);
-  camera.target = add(centre, side, before ? 0.7 : 0.4);
-  if (Math.hypot(side[0], side[1]) > 0.05 * size) camera.turn = Math.atan2(side[1], side[0]) + 0.75;
-  camera.lift = Math.max(-0.6, Math.min(1, 0.35 + 0.5 * Math.atan2(side[2], Math.hypot(side[0], side[1]))));
+  const origins = links.map((_, k) => linkPose(grasp, k).slice(12, 15));
+  const hand = origins.reduce((sum, origin) => add(sum, origin, 1 / origins.length), [0, 0, 0]);
+  const side = add(hand, centre, -1), level = Math.hypot(side[0], side[1]);
+  camera.target = add(centre, side, 0.5);
+  camera.far = 3.2 * (0.5 * Math.hypot(...side) + 0.6 * size);
+  if (level > 0.05 * size) camera.turn = Math.atan2(side[1], side[0]) + 0.75;
+  camera.lift = Math.max(-0.6, Math.min(1, 0.35 + 0.5 * Math.atan2(side[2], level)));
 }
 function select(index) {
   current = Math.max(0, Math.min(shown.length - 1, index));
@@ -239,9 +240,9 @@ byId("outcome").replaceChildren(...[["all", scene.grasps.length], ...Object.entr
 byId("outcome").onchange = filter;
 byId("previous").onclick = () => select(current - 1);
 byId("next").onclick = () => select(current + 1);
-["object-alpha", "hand-alpha", "contacts", "cones", "pregrasp"].forEach((id) => { byId(id).oninput = redraw; });
+["object-alpha", "hand-alpha", "contacts", "cones"].forEach((id) => { byId(id).oninput = redraw; });
 byId("home").onclick = () => { camera = home(); select(current); };
-byId("follow").oninput = () => select(current);
+byId("follow").oninput = byId("pregrasp").oninput = () => select(current);
 
 const pointers = new Map();
 const slide = (dx, dy) => {
