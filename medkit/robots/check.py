@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from medkit.geometry import Floats
-from medkit.robots.collision import SelfCollision
 from medkit.robots.hand import Finger, Hand
+from medkit.robots.self_collision import SelfCollision
 from medkit.robots.tree import PRISMATIC
 
 OK, NOTE, PROBLEM = "ok", "note", "problem"

@@ -6,8 +6,9 @@ import trimesh
 
 from medkit.geometry import random_rotation, transform
 from medkit.robots import load_hand
-from medkit.robots.collision import MeshCollider, SelfCollision
+from medkit.robots.collision import MeshCollider
 from medkit.robots.kernels import boxes_apart
+from medkit.robots.self_collision import SelfCollision
 
 HAND = load_hand("wsg50")
 BODY = next(k for k, b in enumerate(HAND.bodies) if HAND.link_names[b.link] == "left finger")

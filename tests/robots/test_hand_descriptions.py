@@ -12,7 +12,7 @@ from medkit.errors import InputError
 from medkit.geometry import inverse
 from medkit.robots import load_hand
 from medkit.robots.check import PROBLEM, check_hand, closed_configuration
-from medkit.robots.collision import SelfCollision
+from medkit.robots.self_collision import SelfCollision
 
 DATA = Path(__file__).parent / "data"
 
