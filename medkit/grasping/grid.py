@@ -187,7 +187,7 @@ def cell_layout(extents: Floats, n: int, cell_density: float) -> tuple[float, tu
     >>> cell_layout(np.array([4.0, 2.0, 1.0]), 1000, 1.0)[1]
     (16, 8, 4)
     >>> cell_layout(np.array([4.0, 1.0, 0.0]), 1000, 1.0)[1]
-    (63, 15, 1)
+    (64, 16, 1)
     """
     longest, middle, shortest = np.sort(extents)[::-1]
     if longest == 0.0:

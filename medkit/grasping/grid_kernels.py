@@ -1,5 +1,6 @@
 """Compiled loops over the grid of medial spheres: neighbourhoods, and their PCA in one pass."""
 
+# mypy: disable-error-code="no-untyped-def"
 from __future__ import annotations
 
 import numpy as np

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import trimesh
@@ -13,15 +13,17 @@ from medkit.errors import InputError
 from medkit.geometry import Floats, nonnegative
 from medkit.grasping import medial_kernels as kernels
 from medkit.grasping.surface import SurfaceSample, sample_surface
+from medkit.grasping.touch_kernels import widest_touch
+from medkit.meshes import repair_mesh
 
 #: How deep a sample may lie inside a medial sphere, over the spacing: facets and noise.
 SLACK = 0.1
-#: How far beyond the radius the surface may be and still count as touched, over the spacing.
+#: A surface counts as touched where moving the centre this far could reach it, over the spacing.
 TOUCH = 0.5
 #: A sample speaks for the surface up to this distance, over the spacing.
-REACH = 1.0
+REACH = 1.5
 #: Pairs of touch points wider than this are not searched for wider ones [rad].
-ENOUGH = np.radians(179.0)
+ENOUGH = np.pi - 0.09
 
 Side = Literal["interior", "exterior"]
 
@@ -79,13 +81,14 @@ def medial_axis(
     Parameters
     ----------
     mesh : trimesh.Trimesh
-        The object [m].
+        The object [m]; defects are repaired by `medkit.meshes.repair_mesh` first.
     spacing : float, optional
         Mean distance of the surface samples [m]; 1.5 % of the diagonal when left out.
     side : {"interior", "exterior"}
         Spheres inside the object, or those outside that touch it twice.
     touch_tolerance : float, optional
-        A sphere touches the surface where the gap is no larger [m]; half the spacing by default.
+        A sphere touches the surface wherever it would after moving its centre by no more than
+        this [m]; half the spacing when left out.
 
     Returns
     -------
@@ -104,7 +107,7 @@ def medial_axis(
     >>> bool(np.all(np.linalg.norm(ball.centers, axis=1) < 0.001))
     True
     """
-    sample = sample_surface(mesh, spacing=spacing)
+    sample = sample_surface(repair_mesh(mesh).mesh, spacing=spacing)
     return medial_axis_from_surface(sample, side=side, touch_tolerance=touch_tolerance)
 
 
@@ -122,23 +125,50 @@ def medial_axis_from_surface(
     """
     if side not in ("interior", "exterior"):
         raise InputError(f"Expected side 'interior' or 'exterior', but got {side!r}; use one.")
+    tree = sample_tree(sample, 1.0 if side == "interior" else -1.0)
+    points, normals = tree[1], tree[2]
+    slack = max(SLACK * sample.spacing, sample.facet_depth)
+    radii, stop = kernels.shrink_balls(*tree[1:], 0.5 * sample.diagonal, slack, slack)
+    radii = kernels.refine_balls(points, normals, radii, stop, REACH * sample.spacing)
+    own = np.flatnonzero(stop >= 0)
+    centers = points[own] - radii[own, None] * normals[own]
+    return with_object_angles(
+        sample, tree, centers, radii[own], own, stop[own], touch_tolerance=touch_tolerance
+    )
+
+
+def sample_tree(sample: SurfaceSample, sign: float = 1.0) -> tuple[Any, ...]:
+    """Order (n,) and then, in that order, points, normals and the tree for the kernels.
+
+    With a `sign` of -1 the normals are turned, so that the balls grow outside.
+    """
+    leaves = 1
+    while leaves * kernels.LEAF_SIZE < len(sample):
+        leaves *= 2
+    order, points, first, last, boxes = kernels.build_tree(sample.points, leaves)
+    normals = sample.normals[order] * sign
+    slabs = kernels.bound_slabs(points, normals, first, last, boxes)
+    return order, points, normals, first, last, boxes, slabs
+
+
+def with_object_angles(
+    sample: SurfaceSample,
+    tree: tuple[Any, ...],
+    centers: Floats,
+    radii: Floats,
+    own: NDArray[np.int64],
+    stop: NDArray[np.int64],
+    *,
+    touch_tolerance: float | None = None,
+) -> MedialAxis:
+    """Complete spheres, each with two touching samples in tree order, to a medial axis."""
     tolerance = (
         TOUCH * sample.spacing
         if touch_tolerance is None
         else nonnegative(touch_tolerance, "touch_tolerance", " m")
     )
-    reach = REACH * sample.spacing
-    leaves = 1
-    while leaves * kernels.LEAF_SIZE < len(sample):
-        leaves *= 2
-    order, points, first, last, boxes = kernels.build_tree(sample.points, leaves)
-    normals = sample.normals[order] * (1.0 if side == "interior" else -1.0)
-    tree = (points, normals, first, last, boxes)
-    radii, stop = kernels.shrink_balls(*tree, 0.5 * sample.diagonal, SLACK * sample.spacing)
-    radii = kernels.refine_balls(points, normals, radii, stop, reach)
-    own = np.flatnonzero(stop >= 0)
-    centers = points[own] - radii[own, None] * normals[own]
-    angles, touch_points = kernels.widest_touch(
-        centers, radii[own], own, stop[own], *tree, tolerance, reach, ENOUGH
+    tolerances = np.array([tolerance, max(SLACK * sample.spacing, sample.facet_depth)])
+    angles, touch_points = widest_touch(
+        centers, radii, own, stop, *tree[1:], tolerances, REACH * sample.spacing, ENOUGH
     )
-    return MedialAxis(centers, radii[own], angles, touch_points, sample.spacing, sample.diagonal)
+    return MedialAxis(centers, radii, angles, touch_points, sample.spacing, sample.diagonal)

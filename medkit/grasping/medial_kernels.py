@@ -1,66 +1,21 @@
-"""Compiled loops of the medial axis: thinning of samples, a balanced tree, shrinking balls.
+"""Compiled loops of the medial axis: a balanced tree, shrinking balls.
 
 Every loop has a plain numpy twin in the tests. Arrays of points are in tree order unless said
 otherwise, so that neighbours in memory are neighbours in space.
 """
 
+# mypy: disable-error-code="no-untyped-def"
 from __future__ import annotations
 
 import numpy as np
 from numba import njit
 
+from medkit.grasping.surface_kernels import bucket
+
 #: Samples per leaf of the tree: small leaves prune well, large ones cost fewer box tests.
 LEAF_SIZE = 8
-_STACK = 128
-
-
-@njit(cache=True)
-def thin_samples(points, normals, distance, min_cosine):
-    """Keep, in the order given, each sample that no kept one is nearer to than `distance`.
-
-    Samples whose normals differ by more than the given cosine do not compete: the two sides of a
-    thin wall, or of an edge, are both needed.
-    """
-    n = len(points)
-    size = 1
-    while size < n:
-        size *= 2
-    head = np.full(size, -1, np.int32)
-    following = np.full(n, -1, np.int32)
-    keep = np.zeros(n, np.bool_)
-    low = np.array([points[:, 0].min(), points[:, 1].min(), points[:, 2].min()])
-    for i in range(n):
-        x = np.int64((points[i, 0] - low[0]) / distance)
-        y = np.int64((points[i, 1] - low[1]) / distance)
-        z = np.int64((points[i, 2] - low[2]) / distance)
-        free = True
-        for a in range(x - 1, x + 2):
-            for b in range(y - 1, y + 2):
-                for c in range(z - 1, z + 2):
-                    j = head[_bucket(a, b, c, size)]
-                    while j >= 0 and free:
-                        d2 = 0.0
-                        dot = 0.0
-                        for k in range(3):
-                            d2 += (points[i, k] - points[j, k]) ** 2
-                            dot += normals[i, k] * normals[j, k]
-                        free = d2 >= distance * distance or dot < min_cosine
-                        j = following[j]
-                if not free:
-                    break
-            if not free:
-                break
-        if free:
-            keep[i] = True
-            own = _bucket(x, y, z, size)
-            following[i] = head[own]
-            head[own] = i
-    return keep
-
-
-@njit(cache=True)
-def _bucket(a, b, c, size):
-    return (a * 73856093 ^ b * 19349663 ^ c * 83492791) & (size - 1)
+#: Room for the nodes that wait during a walk down the tree.
+STACK = 128
 
 
 @njit(cache=True)
@@ -128,7 +83,8 @@ def _select(points, order, first, last, middle, axis):
 
 
 @njit(cache=True)
-def _box_distance2(boxes, node, x, y, z):
+def box_distance2(boxes, node, x, y, z):
+    """Squared distance of (x, y, z) from a node's box."""
     dx = max(boxes[node, 0] - x, 0.0, x - boxes[node, 3])
     dy = max(boxes[node, 1] - y, 0.0, y - boxes[node, 4])
     dz = max(boxes[node, 2] - z, 0.0, z - boxes[node, 5])
@@ -154,17 +110,52 @@ def _largest_radius(points, normals, i, j, slack):
 
 
 @njit(cache=True)
-def shrink_balls(points, normals, first, last, boxes, largest, slack):
+def bound_slabs(points, normals, first, last, boxes):
+    """Slab of every node along its mean normal: direction (3), range (2), spread of normals, size.
+
+    The slab of a curved patch hugs it more closely than its box, which decides how many nodes a
+    ball has to look into that touches the surface all around.
+    """
+    slabs = np.zeros((len(first), 7))
+    for node in range(1, len(first)):
+        for i in range(first[node], last[node]):
+            for k in range(3):
+                slabs[node, k] += normals[i, k]
+        length = np.sqrt(slabs[node, 0] ** 2 + slabs[node, 1] ** 2 + slabs[node, 2] ** 2)
+        for k in range(3):
+            slabs[node, k] /= max(length, 1e-300)
+        low, high = np.inf, -np.inf
+        for i in range(first[node], last[node]):
+            along = 0.0
+            apart2 = 0.0
+            for k in range(3):
+                along += slabs[node, k] * points[i, k]
+                apart2 += (slabs[node, k] - normals[i, k]) ** 2
+            low, high = min(low, along), max(high, along)
+            slabs[node, 5] = max(slabs[node, 5], apart2)
+        slabs[node, 3], slabs[node, 4] = low, high
+        slabs[node, 5] = np.sqrt(slabs[node, 5])
+        for k in range(3):
+            slabs[node, 6] += (0.5 * (boxes[node, 3 + k] - boxes[node, k])) ** 2
+        slabs[node, 6] = np.sqrt(slabs[node, 6])
+    return slabs
+
+
+@njit(cache=True)
+def shrink_balls(points, normals, first, last, boxes, slabs, largest, slack, trust):
     """Largest tangent ball of every sample that no other sample enters deeper than `slack`.
 
-    Returns the radii (with slack) and the index of the sample that stops each ball (-1: none
-    within `largest`).
+    A ball that sticks out of one already found empty by less than `trust` is taken as empty too:
+    it saves the search where many samples share a centre. Returns the radii and the index of the
+    sample that stops each ball (-1: none within `largest`).
     """
     n = len(points)
     leaves = len(first) // 2
     radii = np.empty(n)
     stop = np.full(n, -1, np.int64)
-    stack = np.empty(_STACK, np.int64)
+    stack = np.empty(STACK, np.int64)
+    known = np.full(4 * leaves, -1, np.int64)
+    width = max(2.0 * trust, 1e-300)
     for leaf in range(leaves, 2 * leaves):
         for i in range(first[leaf], last[leaf]):
             r = largest
@@ -179,16 +170,42 @@ def shrink_balls(points, normals, first, last, boxes, largest, slack):
                     value = _largest_radius(points, normals, i, stop[back], slack)
                     if value < r:
                         r, best = value, stop[back]
-            r, best = _shrink_one(
-                points, normals, first, last, boxes, leaves, i, r, best, slack, stack
-            )
+            seen = _bucket_of(points, normals, i, r, width, len(known))
+            if best < 0 or not _covered(points, normals, i, r, radii, known[seen], trust):
+                r, best = _shrink_one(
+                    points, normals, first, last, boxes, slabs, leaves, i, r, best, slack, stack
+                )
+                known[_bucket_of(points, normals, i, r, width, len(known))] = i
             radii[i] = r
             stop[i] = best
     return radii, stop
 
 
 @njit(cache=True)
-def _shrink_one(points, normals, first, last, boxes, leaves, i, r, best, slack, stack):
+def _bucket_of(points, normals, i, r, width, size):
+    """Place in the hash table of the cell that the centre of sample i's ball is in."""
+    a = np.int64(np.floor((points[i, 0] - r * normals[i, 0]) / width))
+    b = np.int64(np.floor((points[i, 1] - r * normals[i, 1]) / width))
+    c = np.int64(np.floor((points[i, 2] - r * normals[i, 2]) / width))
+    return bucket(a, b, c, size)
+
+
+@njit(cache=True)
+def _covered(points, normals, i, r, radii, k, trust):
+    """Whether the ball of sample i sticks out of that of sample k by no more than `trust`."""
+    if k < 0:
+        return False
+    d2 = 0.0
+    for axis in range(3):
+        d2 += (
+            points[i, axis] - r * normals[i, axis] - points[k, axis] + radii[k] * normals[k, axis]
+        ) ** 2
+    room = radii[k] - r + trust
+    return room >= 0.0 and d2 <= room * room
+
+
+@njit(cache=True)
+def _shrink_one(points, normals, first, last, boxes, slabs, leaves, i, r, best, slack, stack):
     x, y, z = points[i, 0], points[i, 1], points[i, 2]
     u, v, w = normals[i, 0], normals[i, 1], normals[i, 2]
     stack[0] = 1
@@ -198,7 +215,10 @@ def _shrink_one(points, normals, first, last, boxes, leaves, i, r, best, slack, 
         node = stack[top]
         reach = max(r - slack, 0.0)
         a, b, c = x - r * u, y - r * v, z - r * w
-        if _box_distance2(boxes, node, a, b, c) >= reach * reach:
+        if box_distance2(boxes, node, a, b, c) >= reach * reach:
+            continue
+        along = slabs[node, 0] * a + slabs[node, 1] * b + slabs[node, 2] * c
+        if max(slabs[node, 3] - along, along - slabs[node, 4]) >= reach:
             continue
         if node >= leaves:
             for j in range(first[node], last[node]):
@@ -207,7 +227,7 @@ def _shrink_one(points, normals, first, last, boxes, leaves, i, r, best, slack, 
                     r, best = value, j
             continue
         near, far = 2 * node, 2 * node + 1
-        if _box_distance2(boxes, near, a, b, c) > _box_distance2(boxes, far, a, b, c):
+        if box_distance2(boxes, near, a, b, c) > box_distance2(boxes, far, a, b, c):
             near, far = far, near
         stack[top] = far
         stack[top + 1] = near
@@ -243,151 +263,3 @@ def refine_balls(points, normals, radii, stop, reach):
             if offset2 <= reach * reach:
                 refined[i] = r
     return refined
-
-
-@njit(cache=True)
-def widest_touch(
-    centers, radii, own, stop, points, normals, first, last, boxes, tolerance, reach, enough
-):
-    """Object angle of every sphere over all samples it touches, and the two touch points.
-
-    A sample touches when its tangent plane (within `reach` of it), or the sample itself, is no
-    farther from the centre than radius plus `tolerance`. The farthest touch from one touch is
-    sought, then the farthest from that, until the angle no longer grows or is wider than
-    `enough` [rad].
-    """
-    n = len(centers)
-    angles = np.empty(n)
-    pairs = np.empty((n, 2, 3))
-    stack = np.empty(_STACK, np.int64)
-    goal = np.cos(enough)
-    pair = np.empty((2, 3))
-    trial = np.empty((2, 3))
-    for i in range(n):
-        _, u, v, w = _direction(centers, i, points, normals, stop[i], reach)
-        pair[1, 0], pair[1, 1], pair[1, 2] = u, v, w
-        cosine = 0.0
-        for k in range(3):
-            pair[0, k] = normals[own[i], k]
-            cosine += pair[0, k] * pair[1, k]
-        for start in range(2):
-            for k in range(3):
-                trial[0, k] = pair[start, k]
-            for _ in range(4):
-                found = _farthest(
-                    centers, i, radii[i], trial, points, normals, first, last, boxes,
-                    tolerance, reach, cosine, goal, stack,
-                )  # fmt: skip
-                if found >= cosine:
-                    break
-                cosine = found
-                for k in range(3):
-                    pair[0, k], pair[1, k] = trial[0, k], trial[1, k]
-                    trial[0, k] = trial[1, k]
-        angles[i] = np.arccos(min(1.0, max(-1.0, cosine)))
-        for k in range(3):
-            pairs[i, 0, k] = centers[i, k] + radii[i] * pair[0, k]
-            pairs[i, 1, k] = centers[i, k] + radii[i] * pair[1, k]
-    return angles, pairs
-
-
-@njit(cache=True)
-def _direction(centers, i, points, normals, j, reach):
-    """Distance and direction from centre i to where the surface at sample j is nearest."""
-    x = points[j, 0] - centers[i, 0]
-    y = points[j, 1] - centers[i, 1]
-    z = points[j, 2] - centers[i, 2]
-    d2 = x * x + y * y + z * z
-    h = x * normals[j, 0] + y * normals[j, 1] + z * normals[j, 2]
-    if h > 0.0 and d2 - h * h <= reach * reach:
-        return h, normals[j, 0], normals[j, 1], normals[j, 2]
-    d = np.sqrt(d2)
-    return d, x / d, y / d, z / d
-
-
-@njit(cache=True)
-def _farthest(
-    centers,
-    i,
-    radius,
-    trial,
-    points,
-    normals,
-    first,
-    last,
-    boxes,
-    tolerance,
-    reach,
-    best,
-    goal,
-    stack,
-):
-    """Touch whose direction has the least cosine with ``trial[0]``, if less than `best`."""
-    if best <= goal:
-        return best
-    leaves = len(first) // 2
-    limit2 = (radius + tolerance) ** 2 + reach * reach
-    x, y, z = centers[i, 0], centers[i, 1], centers[i, 2]
-    stack[0] = 1
-    top = 1
-    while top > 0:
-        top -= 1
-        node = stack[top]
-        if (
-            _box_distance2(boxes, node, x, y, z) > limit2
-            or _least_along(boxes, node, centers, i, trial) - reach >= best * radius
-        ):
-            continue
-        if node < leaves:
-            near, far = 2 * node, 2 * node + 1
-            if _least_along(boxes, near, centers, i, trial) > _least_along(
-                boxes, far, centers, i, trial
-            ):
-                near, far = far, near
-            stack[top] = far
-            stack[top + 1] = near
-            top += 2
-            continue
-        for j in range(first[node], last[node]):
-            distance, u, v, w = _direction(centers, i, points, normals, j, reach)
-            dot = u * trial[0, 0] + v * trial[0, 1] + w * trial[0, 2]
-            if distance <= radius + tolerance and dot < best:
-                best = dot
-                trial[1, 0], trial[1, 1], trial[1, 2] = u, v, w
-                if best <= goal:
-                    return best
-    return best
-
-
-@njit(cache=True)
-def _least_along(boxes, node, centers, i, trial):
-    """Least component along the first trial direction of a vector from a centre into a box."""
-    total = 0.0
-    for k in range(3):
-        edge = boxes[node, k] if trial[0, k] > 0.0 else boxes[node, 3 + k]
-        total += trial[0, k] * (edge - centers[i, k])
-    return total
-
-
-@njit(cache=True)
-def blend_corners(face_normals, vertex, face, angle, order, begin, count, min_cosine):
-    """Mean normal at each corner over the faces around its vertex that turn little from its own."""
-    result = np.empty((len(vertex), 3))
-    total = np.empty(3)
-    for corner in range(len(vertex)):
-        own = face[corner]
-        total[:] = 0.0
-        start = begin[vertex[corner]]
-        for place in range(start, start + count[vertex[corner]]):
-            other = order[place]
-            f = face[other]
-            dot = 0.0
-            for k in range(3):
-                dot += face_normals[own, k] * face_normals[f, k]
-            if dot >= min_cosine:
-                for k in range(3):
-                    total[k] += angle[other] * face_normals[f, k]
-        length = np.sqrt(total[0] ** 2 + total[1] ** 2 + total[2] ** 2)
-        for k in range(3):
-            result[corner, k] = total[k] / length if length > 0.0 else face_normals[own, k]
-    return result
