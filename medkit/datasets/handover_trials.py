@@ -46,6 +46,23 @@ def handover_anomalies() -> pd.DataFrame:
     return pd.read_csv(handover_folder() / "anomalies.csv")
 
 
+def human_references() -> pd.DataFrame:
+    """Return when human givers release and how long a handover between people takes.
+
+    Returns
+    -------
+    pandas.DataFrame
+        name, low, high [s after contact], unit, source, note. ``high`` is NaN where the source
+        gives no upper bound. Figures that L14 2.7 quotes, not measured by it.
+
+    Examples
+    --------
+    >>> float(human_references()["low"].min())
+    -0.06
+    """
+    return pd.read_csv(handover_folder() / "human_references.csv")
+
+
 def load_handover_table(
     path: str | os.PathLike[str] | None = None, *, ratings: Mapping[str, str] | None = None
 ) -> pd.DataFrame:

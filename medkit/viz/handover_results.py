@@ -188,6 +188,45 @@ def plot_power(table: pd.DataFrame, *, ax: Any = None) -> Any:
     return ax
 
 
+def plot_human_release(references: pd.DataFrame, *, ax: Any = None) -> Any:
+    """Draw when people let go, as bars over the time since contact.
+
+    Parameters
+    ----------
+    references : pandas.DataFrame
+        From :func:`medkit.datasets.handover_trials.human_references`.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        One row per figure of the literature; an arrow where no upper bound is given.
+    """
+    ax = axes_or_new(ax)
+    for row, entry in enumerate(references.itertuples()):
+        if np.isfinite(entry.high):
+            width = max(entry.high - entry.low, 0.006)
+            ax.barh(row, width, left=entry.low, height=0.55, color=BLUE)
+        else:
+            ax.annotate("", (entry.low + 0.1, row), (entry.low, row),
+                        arrowprops={"arrowstyle": "->", "color": BLUE, "linewidth": 2})  # fmt: skip
+    ax.axvline(0, color="#666666", linewidth=1)
+    ax.set_yticks(
+        range(len(references)), [_wrapped(name) for name in references["name"]], fontsize=8
+    )
+    ax.set(xlabel="time after contact [s]", xlim=(-0.1, 0.56))
+    ax.invert_yaxis()
+    return ax
+
+
+def add_load_line(ax: Any, weights: Any) -> Any:
+    """Add the line on which the release force equals the load, to axes of force over weight."""
+    ax.plot(weights, 9.81 * np.asarray(weights), color="#666666", linewidth=1, linestyle=":",
+            marker="", label="load itself")  # fmt: skip
+    return ax
+
+
 def plot_link(ax: Any = None) -> Any:
     """Draw how one straight line becomes three probabilities: the cumulative logit explained."""
     from medkit.handover import rating_probabilities

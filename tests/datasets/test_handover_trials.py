@@ -9,6 +9,7 @@ from medkit.datasets.handover_schema import KEY, RATINGS, handover_schema, table
 from medkit.datasets.handover_trials import (
     handover_anomalies,
     handover_folder,
+    human_references,
     load_handover_table,
 )
 from medkit.errors import InputError
@@ -129,3 +130,11 @@ def test_an_unknown_step_of_the_scale_is_named(tmp_path):
         load_handover_table(path, ratings={"good": "good"})
     with pytest.raises(InputError, match="good, acceptable and bad"):
         load_handover_table(path, ratings={"good": "great"})
+
+
+def test_references_are_ordered_times_with_a_source():
+    table = human_references()
+    known = table.dropna(subset="high")
+    assert (known["low"] <= known["high"]).all()
+    assert set(table["unit"]) == {"s"}
+    assert table["source"].str.contains("L14 2.7").all()
