@@ -15,14 +15,12 @@ from medkit.quality import kernels
 #: A ball smaller than this, in units of the longest wrench, counts as none.
 CLOSURE_TOLERANCE = 1e-10
 #: Bounds of linearised cones meet this closely, in units of the longest wrench.
-LINEAR_GAP = 1e-12
-#: The same when the polytope had to be grown a second time.
-RETRY_GAP = 1e-9
-#: How far a point must lie beyond a facet to see it, in longest wrenches. Symmetric grasps give
-#: facets in one plane exactly or not at all; those that nearly do so need a second opinion.
-SIGHTS = (1e-10, 1e-13, 1e-8, 1e-12, 1e-15, 1e-9, 1e-7)
+LINEAR_GAP = 1e-10
 #: Room for facets: first try, and the tries after it; the last one ends with open bounds.
 CAPACITIES = (2**12, 2**16, 2**18)
+#: How far a point must lie beyond a facet to see it, in longest wrenches. Symmetric grasps give
+#: facets in one plane exactly or not at all; those that nearly do so need a second opinion.
+SIGHTS = (1e-10, 1e-12, 3e-10, 1e-13, 1e-9, 1e-14)
 
 # Scratch memory is kept, one per thread: fresh pages would cost more than a small grasp does.
 _kept = threading.local()
@@ -64,7 +62,7 @@ def expand(
     signed, weakest = np.zeros((count, 2)), np.zeros((count, dimension))
     known: Floats | None = None
     for sight in SIGHTS:
-        meet = gap if known is None else max(gap, RETRY_GAP)
+        meet = max(gap, sight)  # a point that its own facet does not see is no progress
         for capacity in CAPACITIES:
             kernels.expand(
                 cones.centers, cones.axes, starts, profile, total, tolerance, meet, sight,
@@ -76,7 +74,10 @@ def expand(
         if not failed.any():
             break
         known = _narrowed(known, signed, failed)
-        statuses[failed, 0] = kernels.FULL
+        # a unit normal force makes every longest wrench 1 or more, so this is the strict reading
+        met = signed[:, 1] - signed[:, 0] <= SIGHTS[0]
+        statuses[failed & met, 0] = kernels.CONVERGED
+        statuses[failed & ~met, 0] = kernels.FULL
     np.maximum(signed, 0.0, out=signed)  # room that ran out may leave a negative lower bound
     return Expansion(statuses[:, 0], statuses[:, 1], signed[:, 0], signed[:, 1], weakest)
 

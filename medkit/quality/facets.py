@@ -34,14 +34,14 @@ class Workspace(NamedTuple):
 
 
 def workspace(dimension: int, capacity: int) -> Workspace:
-    """Room for `capacity` facets, a power of two, in `dimension` dimensions."""
+    """Room for `capacity` facets, a power of two, and a sixteenth as many points."""
     return Workspace(
         np.empty((capacity, 2 * dimension + 4), np.int64),
         np.empty((capacity, dimension + 2)),
         np.empty((2 * capacity, 2), np.int64),
         np.empty(2 * capacity),
         np.zeros((4 * capacity, 4), np.int64),
-        np.empty((capacity, dimension)),
+        np.empty((capacity // 16, dimension)),
         np.zeros(5, np.int64),
     )
 

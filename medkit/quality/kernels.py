@@ -78,9 +78,9 @@ def _start(centers, axes, profile, total, tolerance, points, basis, u, shadow): 
         u[a] = 0.0
         for i in range(centers.shape[0]):
             u[a] -= centers[i, a]
-    if _strip(u, basis, none) <= tolerance:
-        u[0] += 1.0
-        _strip(u, basis, none)
+    if _strip(u, basis, none) <= tolerance:  # balanced contacts leave only rounding: any direction
+        for a in range(d):
+            u[a] = 1.0 if a == 0 else 0.0
     if support(centers, axes, profile, total, u, shadow, points, none) <= tolerance:
         return OPEN
     for k in range(d):

@@ -110,8 +110,8 @@ def epsilon(
         Radius of a soft finger's patch [m].
     tolerance : float
         How closely the bounds of exact cones meet, in units of the longest wrench [1]. Bounds of
-        linearised cones meet within 1e-12 whatever is given (1e-9 where facets lie in one plane
-        almost but not quite, so that the polytope has to be grown a second time).
+        linearised cones meet within 1e-10 whatever is given (1e-9 in the worst case, where
+        facets lie in one plane almost but not quite); as a rule they agree to rounding.
 
     Returns
     -------

@@ -79,6 +79,36 @@ def test_linearised_cones_agree_with_qhull(family, seed, n, friction, scale):
     np.testing.assert_allclose([found.lower, found.upper], expected, rtol=0, atol=1e-9 * longest)
 
 
+@pytest.mark.parametrize("friction", [0.1, 0.5, 1.0])
+def test_contacts_in_perfect_balance_are_no_trap(friction):
+    """The mean wrench of all corners of a cube is zero, up to rounding or exactly."""
+    corners = np.array(np.meshgrid(*[[-1, 1]] * 3)).reshape(3, -1).T / np.sqrt(3)
+    rng = np.random.default_rng(0)
+    for _ in range(20):
+        order = rng.permutation(8)
+        expected, longest = by_qhull(corners[order], -corners[order], friction, edges=6)
+        found = epsilon(corners[order], -corners[order], friction=friction, **HERE, edges=6)
+        assert found.lower == pytest.approx(expected, abs=1e-9 * longest)
+        assert found.force_closure
+
+
+@pytest.mark.parametrize("jitter", [1e-14, 1e-12, 1e-11, 1e-10, 1e-9, 1e-7])
+def test_almost_coplanar_facets_are_no_trap_either(jitter):
+    rng = np.random.default_rng(1)
+    for n in (5, 6, 7, 9):
+        turn = 2 * np.pi * np.arange(n) / n
+        ring = np.column_stack([np.cos(turn), np.sin(turn), 0 * turn])
+        points = ring + jitter * rng.normal(size=(n, 3))
+        found = epsilon(points, -ring, friction=0.3, **HERE, edges=4)
+        wrenches = Contacts(points, -ring, 0.3).wrenches(**HERE, edges=4)
+        assert found.converged
+        reach = (wrenches.reshape(-1, 6) @ found.weakest_direction).max()
+        assert reach == pytest.approx(found.upper, abs=1e-9)
+        assert found.upper - found.lower <= 1e-9 * np.linalg.norm(wrenches, axis=2).max()
+        assert closure_margin(wrenches) > 0.0
+        assert found.force_closure
+
+
 @pytest.mark.parametrize("contact", ["soft", "frictionless"])
 @FEW
 @given(seed=SEEDS, n=st.integers(2, 8))
