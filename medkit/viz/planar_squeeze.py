@@ -55,12 +55,12 @@ def _placed(result: SqueezeResult, frame: int) -> Floats:
     return np.asarray(1e3 * (local @ turn.T + [x, y]))
 
 
-def plot_squeeze_strip(result: SqueezeResult, count: int = 4) -> Any:
-    """Draw `count` frames of a squeeze side by side; return the figure."""
+def plot_squeeze_strip(result: SqueezeResult, count: int = 4, *, until: float | None = None) -> Any:
+    """Draw `count` frames of a squeeze side by side, up to a time [s]; return the figure."""
     import matplotlib.pyplot as plt
 
-    figure, panels = plt.subplots(1, count, figsize=(2.6 * count, 2.9), sharey=True)
-    frames = np.linspace(0, len(result.times) - 1, count).astype(int)
+    figure, panels = plt.subplots(1, count, figsize=(2.6 * count, 3.1), sharey=True)
+    frames = _frames(result, count, until)
     for panel, frame in zip(panels, frames, strict=True):
         plot_squeeze(result, int(frame), ax=panel)
         panel.label_outer()
@@ -71,7 +71,14 @@ def plot_squeeze_strip(result: SqueezeResult, count: int = 4) -> Any:
     return figure
 
 
-def squeeze_film(result: SqueezeResult, *, frames: int = 12, dpi: int = 45) -> str:
+def _frames(result: SqueezeResult, count: int, until: float | None) -> list[int]:
+    last = len(result.times) if until is None else int(np.searchsorted(result.times, until))
+    return [int(frame) for frame in np.linspace(0, last - 1, min(count, last))]
+
+
+def squeeze_film(
+    result: SqueezeResult, *, frames: int = 12, until: float | None = None, dpi: int = 45
+) -> str:
     """Make a film of a squeeze as one piece of HTML that plays without a network.
 
     Parameters
@@ -80,6 +87,8 @@ def squeeze_film(result: SqueezeResult, *, frames: int = 12, dpi: int = 45) -> s
         A squeeze that recorded frames.
     frames : int
         Frames of the film; each costs about 5 kB.
+    until : float, optional
+        Time at which the film ends [s]; the end of the recording when left out.
     dpi : int
         Resolution.
 
@@ -92,7 +101,7 @@ def squeeze_film(result: SqueezeResult, *, frames: int = 12, dpi: int = 45) -> s
     from matplotlib.animation import FuncAnimation
 
     figure, axes = plt.subplots(figsize=(4.2, 4.2))
-    chosen = np.linspace(0, len(result.times) - 1, min(frames, len(result.times))).astype(int)
+    chosen = _frames(result, frames, until)
 
     def draw(frame: int) -> list[Any]:
         axes.clear()
@@ -100,7 +109,7 @@ def squeeze_film(result: SqueezeResult, *, frames: int = 12, dpi: int = 45) -> s
         return []
 
     with plt.rc_context({"animation.embed_limit": 5.0, "savefig.dpi": dpi, "figure.dpi": dpi}):
-        film = FuncAnimation(figure, draw, frames=chosen.tolist(), interval=120)
+        film = FuncAnimation(figure, draw, frames=chosen, interval=120)
         html = str(film.to_jshtml(default_mode="once"))
     plt.close(figure)
     # matplotlib names the player at random; a fixed name keeps notebooks the same on every run
