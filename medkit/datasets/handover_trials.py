@@ -24,7 +24,7 @@ def handover_folder() -> Path:
     Examples
     --------
     >>> sorted(path.name for path in handover_folder().glob("*.csv"))
-    ['anomalies.csv', 'trials.csv']
+    ['anomalies.csv', 'human_references.csv', 'trials.csv']
     """
     folder = Path(__file__).resolve().parents[2] / "data" / "handover_trials"
     if not (folder / "trials.csv").is_file():

@@ -204,12 +204,12 @@ def plot_human_release(references: pd.DataFrame, *, ax: Any = None) -> Any:
         One row per figure of the literature; an arrow where no upper bound is given.
     """
     ax = axes_or_new(ax)
-    for row, entry in enumerate(references.itertuples()):
-        if np.isfinite(entry.high):
-            width = max(entry.high - entry.low, 0.006)
-            ax.barh(row, width, left=entry.low, height=0.55, color=BLUE)
+    ends = references[["low", "high"]].to_numpy(dtype=float)
+    for row, (low, high) in enumerate(ends):
+        if np.isfinite(high):
+            ax.barh(row, max(high - low, 0.006), left=low, height=0.55, color=BLUE)
         else:
-            ax.annotate("", (entry.low + 0.1, row), (entry.low, row),
+            ax.annotate("", (low + 0.1, row), (low, row),
                         arrowprops={"arrowstyle": "->", "color": BLUE, "linewidth": 2})  # fmt: skip
     ax.axvline(0, color="#666666", linewidth=1)
     ax.set_yticks(
