@@ -87,8 +87,4 @@ def _painted(mesh: trimesh.Trimesh, colour: tuple[int, ...]) -> trimesh.Trimesh:
 
 
 def _link_colours(hand: Hand) -> dict[str, tuple[int, ...]]:
-    return {
-        hand.link_names[link]: FINGERS[k % len(FINGERS)]
-        for k, finger in enumerate(hand.fingers)
-        for link in np.unique(np.concatenate(finger.moved_links))
-    }
+    return {name: FINGERS[k % len(FINGERS)] for name, k in hand.finger_of_link().items()}

@@ -15,7 +15,8 @@ from medkit.files import whole_file
 from medkit.geometry import Floats, inverse
 
 MILLIMETRES = 1000.0  # [mm / m], the unit of translations in the file
-RADIANS = {"radian": 1.0, "rad": 1.0, "degree": float(np.pi / 180.0), "deg": float(np.pi / 180.0)}
+#: Radians, or metres, per unit of a joint's value.
+UNITS = {"radian": 1.0, "degree": float(np.pi / 180.0), "mm": 1.0 / MILLIMETRES, "m": 1.0}
 
 
 def write_grasps_xml(
@@ -25,6 +26,7 @@ def write_grasps_xml(
     outcomes: Collection[str] | None = ("force_closure",),
     T_hand_tcp: Floats | None = None,
     preshape: str = "",
+    prismatic: Collection[str] = (),
 ) -> int:
     """Write the grasps of a ``medkit.grasps/1`` document, whole or not at all.
 
@@ -41,6 +43,8 @@ def write_grasps_xml(
         left out.
     preshape : str
         Name of the preshape in the reader's hand model, if it has one.
+    prismatic : collection of str
+        Joints whose values are lengths (``hand.prismatic_joints``); written in millimetres.
 
     Returns
     -------
@@ -55,7 +59,8 @@ def write_grasps_xml(
     Notes
     -----
     As in Simox, the transform is the object's pose in the tool frame, in millimetres, and joints
-    are in radians. The pre-grasp is an element of its own, which Simox does not know.
+    are in radians or millimetres. The pre-grasp is an element of its own, which Simox does not
+    know.
     """
     if document.get("schema") != "medkit.grasps/1":
         raise InputError(
@@ -73,7 +78,7 @@ def write_grasps_xml(
     group = ET.SubElement(root, "GraspSet", name=f"medkit {hand}", RobotType=hand, EndEffector=hand)
     creation = f"medkit {document.get('planner', '')} {document.get('grasp', '')}".strip()
     for number, grasp in chosen:
-        _add_grasp(group, number, grasp, creation, preshape, tool)
+        _add_grasp(group, number, grasp, creation, preshape, tool, prismatic)
     ET.indent(root)
     with whole_file(path) as draft:
         ET.ElementTree(root).write(draft, encoding="utf-8", xml_declaration=True)
@@ -91,6 +96,7 @@ def _add_grasp(
     creation: str,
     preshape: str,
     tool: Floats,
+    prismatic: Collection[str],
 ) -> None:
     epsilon = grasp.get("epsilon")
     element = ET.SubElement(
@@ -108,7 +114,9 @@ def _add_grasp(
         _add_transform(ET.SubElement(element, "PreGrasp"), grasp["pregrasp"], tool)
     joints = ET.SubElement(element, "Configuration", name=f"Grasp {number}")
     for name, value in grasp["joints"].items():
-        ET.SubElement(joints, "Node", name=str(name), unit="radian", value=repr(float(value)))
+        unit = "mm" if name in prismatic else "radian"
+        number_text = repr(float(value) / UNITS[unit])
+        ET.SubElement(joints, "Node", name=str(name), unit=unit, value=number_text)
 
 
 def _add_transform(parent: ET.Element, T_object_hand: Any, tool: Floats) -> None:
@@ -181,7 +189,7 @@ def _read_grasp(element: ET.Element, tool: Floats, path: Any) -> dict[str, Any]:
         "pregrasp": None if before is None else _read_transform(before, tool, path),
         "joints": {
             node.get("name", ""): float(node.get("value", "0"))
-            * RADIANS.get(node.get("unit", "radian"), 1.0)
+            * UNITS.get(node.get("unit", "radian"), 1.0)
             for node in element.iter("Node")
         },
         "contacts": [],

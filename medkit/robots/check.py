@@ -10,7 +10,6 @@ import numpy as np
 from medkit.geometry import Floats
 from medkit.robots.hand import Finger, Hand
 from medkit.robots.self_collision import SelfCollision
-from medkit.robots.tree import PRISMATIC
 
 OK, NOTE, PROBLEM = "ok", "note", "problem"
 
@@ -63,10 +62,8 @@ def _directions(hand: Hand) -> Iterator[Finding]:
 
 
 def _limits(hand: Hand) -> Iterator[Finding]:
-    revolute = np.zeros(len(hand.joint_names), dtype=bool)
-    for link, coordinate in enumerate(hand.tree.coordinate):
-        if coordinate >= 0 and hand.tree.multiplier[link] != 0.0:
-            revolute[coordinate] |= hand.tree.kind[link] != PRISMATIC
+    sliding = hand.prismatic_joints
+    revolute = np.array([name not in sliding for name in hand.joint_names])
     odd = [
         name
         for name, limit, turns in zip(hand.joint_names, hand.limits, revolute, strict=True)
@@ -143,7 +140,8 @@ def _opposition(hand: Hand) -> Iterator[Finding]:
     for finger in hand.fingers:
         limits = hand.limits[finger.joints]
         goal = np.where(finger.closing > 0, *limits.T[::-1])
-        half[finger.joints] += 0.35 * (goal - opened[finger.joints])
+        start = opened[finger.joints]
+        half[finger.joints] = start + 0.35 * (goal - start)  # fingers may share a joint
     wide, narrow = _opening(hand, opened), _opening(hand, half)
     text = f"pads {1000 * wide:.0f} mm apart open, {1000 * narrow:.0f} mm when a third closed"
     good = narrow < wide

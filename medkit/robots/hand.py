@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from medkit.errors import InputError
 from medkit.geometry import Floats
-from medkit.robots.tree import KinematicTree
+from medkit.robots.tree import PRISMATIC, REVOLUTE, KinematicTree
 
 if TYPE_CHECKING:
     import trimesh
@@ -140,6 +140,31 @@ class Hand:
     def min_sphere_radius(self) -> float:
         """Smallest radius of a ball that the hand can hold [m]."""
         return self.sphere_radii[0]
+
+    @property
+    def prismatic_joints(self) -> tuple[str, ...]:
+        """Names of the joints whose coordinate is a length [m], not an angle."""
+        sliding = self.tree.coordinate[self.tree.kind == PRISMATIC]
+        turning = self.tree.coordinate[self.tree.kind == REVOLUTE]
+        return tuple(
+            name for k, name in enumerate(self.joint_names) if k in sliding and k not in turning
+        )
+
+    def finger_of_link(self) -> dict[str, int]:
+        """Index of the finger that each moving link belongs to, by link name.
+
+        Links between palm and tip belong to that tip's finger; side branches and fingers that
+        share a joint go to the first finger that moves them.
+        """
+        owner: dict[str, int] = {}
+        for k, finger in enumerate(self.fingers):
+            moved = set(np.concatenate(finger.moved_links).tolist())
+            for link in moved.intersection(self.tree.ancestors(finger.tip_link)):
+                owner[self.link_names[link]] = k
+        for k, finger in enumerate(self.fingers):
+            for link in np.concatenate(finger.moved_links):
+                owner.setdefault(self.link_names[link], k)
+        return owner
 
     def finger(self, name: str) -> Finger:
         """Return the finger called `name`; `InputError` when there is none."""

@@ -71,11 +71,7 @@ def face_the_palm(axes: Any, palm: Floats, closing: Floats) -> None:
 
 def finger_colours(hand: Hand) -> dict[str, str]:
     """Colour of every link that a finger moves, by link name."""
-    colours = {}
-    for k, finger in enumerate(hand.fingers):
-        for link in np.unique(np.concatenate(finger.moved_links)):
-            colours[hand.link_names[link]] = CYCLE[k % len(CYCLE)]
-    return colours
+    return {name: CYCLE[k % len(CYCLE)] for name, k in hand.finger_of_link().items()}
 
 
 def add_mesh(axes: Any, triangles: Any, normals: Any, colour: str, alpha: float = 1.0) -> None:

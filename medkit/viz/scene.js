@@ -166,7 +166,7 @@ function drawHand(grasp, opacity) {
   links.forEach((link, k) => paint.draw(link.mesh, linkPose(grasp, k), colour(link.colour, opacity)));
 }
 function drawContacts(grasp, opacity) {
-  const small = 0.017 * size;
+  const small = scene.mark;
   grasp.contacts.forEach(({ point, normal }) => {
     if (byId("contacts").checked) {
       paint.draw(ball, along(point, normal, small, small), colour(scene.colours.contact, opacity));

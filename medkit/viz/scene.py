@@ -133,7 +133,8 @@ def _scene_data(object_mesh: trimesh.Trimesh, hand: Hand, preshape: str) -> dict
     poses = hand.link_poses(hand.preshapes[preshape])
     low, high = object_mesh.bounds
     hand_points = np.vstack([body.vertices + poses[body.link, :3, 3] for body in hand.bodies])
-    span = max(float(np.linalg.norm(high - low)), float(np.ptp(hand_points, axis=0).max()))
+    reach = float(np.ptp(hand_points, axis=0).max())
+    span = max(float(np.linalg.norm(high - low)), reach)
     return {
         "object": _mesh_entry(vertices, faces, OBJECT_GREY),
         "links": [
@@ -143,6 +144,7 @@ def _scene_data(object_mesh: trimesh.Trimesh, hand: Hand, preshape: str) -> dict
         "preshape": _base64(_columns(poses[[b.link for b in hand.bodies]]), "<f4"),
         "centre": (0.5 * (low + high)).round(6).tolist(),
         "size": round(span, 6),
+        "mark": round(0.02 * reach, 6),
         "colours": {"contact": PURPLE, "normal": BLACK, "cone": YELLOW},
     }
 

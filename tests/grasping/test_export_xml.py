@@ -79,6 +79,15 @@ def test_degrees_of_other_writers_are_understood(tmp_path):
     assert joints["Thumb R J1"] == pytest.approx(np.radians(1 / 3))
 
 
+def test_sliding_joints_go_out_in_millimetres_and_come_back_in_metres(tmp_path):
+    source = document(1)
+    source["grasps"][0]["joints"]["slider"] = 0.0125
+    write_grasps_xml(tmp_path / "g.xml", source, prismatic=["slider"])
+    node = ET.parse(tmp_path / "g.xml").find(".//Node[@name='slider']")
+    assert (node.get("unit"), float(node.get("value"))) == ("mm", 12.5)
+    assert read_grasps_xml(tmp_path / "g.xml")["grasps"][0]["joints"]["slider"] == 0.0125
+
+
 @pytest.mark.parametrize(
     ("edit", "words"),
     [

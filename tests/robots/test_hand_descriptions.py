@@ -234,3 +234,12 @@ def test_a_mirrored_hand_takes_everything_from_its_original(tmp_path):
     path.write_text(text + "\npalm_direction: [0, 0, 1]")
     with pytest.raises(InputError, match="Unexpected key 'palm_direction'"):
         load_hand(path)
+
+
+def test_sliding_joints_and_the_owners_of_links_are_known():
+    hand = load_hand(DATA / "two_finger.yaml")
+    assert hand.prismatic_joints == ("slider",)
+    owners = hand.finger_of_link()
+    assert owners == {"left_finger": 0, "left_tip": 0, "right_finger": 1, "right_tip": 1}
+    assert load_hand("wsg50").prismatic_joints == ("left finger", "right finger")
+    assert load_hand("schunk").prismatic_joints == ()
