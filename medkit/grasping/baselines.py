@@ -1,0 +1,246 @@
+"""Baselines: candidates from surface normals (Berenson 2007) and from boxes (Huebner 2008).
+
+Only the candidates differ from the medial planner's: hand, closing and quality are the same.
+"""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import numpy as np
+import trimesh
+from numpy.typing import NDArray
+
+from medkit.errors import InputError
+from medkit.geometry import Floats, perpendicular, positive
+from medkit.grasping.candidates import CandidateGrasps
+from medkit.grasping.surface import sample_surface
+from medkit.robots.hand import Hand
+
+#: Candidates aimed at: P13 5.1.3 tests 300 to 500 an object.
+CANDIDATES = 400
+#: Roll angles about each approach direction, 90 degrees apart (P13 5.1.3).
+ROLLS = 4
+#: A box is split while its halves' boxes take up less than this share of its volume.
+SPLIT_SHARE, DEEPEST = 0.90, 4
+
+
+def surface_normal_candidates(
+    mesh: trimesh.Trimesh, *, candidates: int = CANDIDATES, rolls: int = ROLLS
+) -> CandidateGrasps:
+    """Candidates from the normals where rays from the bounding box hit (Berenson et al. 2007).
+
+    Each face of the bounding box is sampled on a regular grid; a ray goes inwards from each
+    sample; where it first hits the surface, the hand approaches against the normal there.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh
+        A closed mesh with outward normals [m].
+    candidates : int
+        About how many are wanted; the grid's spacing follows from it.
+    rolls : int
+        Roll angles about each approach direction, evenly around.
+
+    Returns
+    -------
+    CandidateGrasps
+        Grasp points on the surface; no spheres, radius 0.
+
+    Raises
+    ------
+    InputError
+        If fewer than one candidate or roll is asked for.
+
+    Examples
+    --------
+    >>> found = surface_normal_candidates(trimesh.creation.box((0.1, 0.1, 0.1)), candidates=96)
+    >>> len(found), np.unique(np.abs(found.approach).round(6)).tolist()
+    (96, [0.0, 1.0])
+    """
+    if candidates < 1 or rolls < 1:
+        raise InputError(
+            f"Expected at least one candidate and one roll, but got {candidates} and {rolls};"
+            " give larger numbers."
+        )
+    wanted = max(1.0, candidates / rolls)
+    area = float(sum(np.prod(np.delete(mesh.extents, axis)) * 2.0 for axis in range(3)))
+    spacing = float(np.sqrt(area / wanted))
+    points, normals = _grid_hits(mesh, spacing)
+    for _ in range(12):  # rays that miss are made up for by a finer grid
+        if 0.95 * wanted <= len(points) <= 1.15 * wanted:
+            break
+        spacing *= float(np.clip(np.sqrt(max(len(points), 1) / (1.03 * wanted)), 0.5, 1.5))
+        points, normals = _grid_hits(mesh, spacing)
+    return _rolled(points, -normals, rolls)
+
+
+def fitted_box_candidates(
+    mesh: trimesh.Trimesh, *, rolls: int = ROLLS, split_share: float = SPLIT_SHARE
+) -> CandidateGrasps:
+    """Candidates from a decomposition into boxes (Huebner et al. 2008).
+
+    A box of least volume around the surface's samples is split by the cut across one of its axes
+    that leaves the least volume in the two halves' own boxes, as long as that saves enough. The
+    hand approaches each face of each box towards the box's centre.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh
+        A closed mesh with outward normals [m].
+    rolls : int
+        Roll angles about each approach direction, evenly around.
+    split_share : float
+        Split a box while the halves' boxes take up less than this share of it [1].
+
+    Returns
+    -------
+    CandidateGrasps
+        Grasp points at the boxes' centres; no spheres, radius half the least box edge across.
+
+    Examples
+    --------
+    >>> found = fitted_box_candidates(trimesh.creation.cylinder(0.03, 0.2))
+    >>> len(found) == 24, len(np.unique(found.grasp_point.round(4), axis=0))
+    (True, 1)
+    """
+    positive(split_share, "split_share")
+    boxes = fitted_boxes(mesh, split_share=split_share)
+    parts = []
+    for pose, half in boxes:
+        for axis, sign in itertools.product(range(3), (1.0, -1.0)):
+            approach = sign * pose[:3, axis]
+            u, v = (axis + 1) % 3, (axis + 2) % 3
+            along = pose[:3, u if half[u] >= half[v] else v]
+            parts.append(
+                _rolled(
+                    pose[None, :3, 3],
+                    approach[None],
+                    rolls,
+                    along[None],
+                    np.delete(half, axis).min(),
+                )
+            )
+    return joined_candidates(parts)
+
+
+def fitted_boxes(
+    mesh: trimesh.Trimesh, *, split_share: float = SPLIT_SHARE
+) -> list[tuple[Floats, Floats]]:
+    """Boxes of the decomposition: ``T_object_box`` (4, 4) and half edges (3,) [m] of each."""
+    spacing = float(np.linalg.norm(mesh.extents)) / 60.0
+    return _split(sample_surface(mesh, spacing=spacing).points, split_share, DEEPEST)
+
+
+def _split(points: Floats, share: float, deepest: int) -> list[tuple[Floats, Floats]]:
+    to_box, extents = trimesh.bounds.oriented_bounds(points)
+    pose, half = np.linalg.inv(to_box), 0.5 * np.asarray(extents)
+    cut = _best_cut(trimesh.transform_points(points, to_box), half) if deepest > 0 else None
+    if cut is None or cut[0] > share or min(cut[1].sum(), (~cut[1]).sum()) < 12:
+        return [(pose, half)]
+    below = cut[1]
+    return _split(points[below], share, deepest - 1) + _split(points[~below], share, deepest - 1)
+
+
+def _best_cut(local: Floats, half: Floats) -> tuple[float, NDArray[np.bool_]] | None:
+    """Share of the volume left by the best cut across an axis, and which points lie below it."""
+    best: tuple[float, NDArray[np.bool_]] | None = None
+    whole = float(np.prod(half))
+    for axis, place in itertools.product(range(3), np.linspace(-0.8, 0.8, 17)):
+        below = local[:, axis] < place * half[axis]
+        if not below.any() or below.all():
+            continue
+        left = sum(float(np.prod(0.5 * np.ptp(local[side], axis=0))) for side in (below, ~below))
+        if best is None or left / whole < best[0]:
+            best = (left / whole, below)
+    return best
+
+
+def _grid_hits(mesh: trimesh.Trimesh, spacing: float) -> tuple[Floats, Floats]:
+    """First hits (n, 3) of rays from all faces of the bounding box, and outward normals there."""
+    low, high = np.asarray(mesh.bounds)
+    points, normals = [], []
+    for axis in range(3):
+        u, v = (axis + 1) % 3, (axis + 2) % 3
+        grid = [_middles(low[a], high[a], spacing) for a in (u, v)]
+        across = np.stack(np.meshgrid(*grid, indexing="ij"), axis=-1).reshape(-1, 2)
+        heights, faces = _heights(np.asarray(mesh.triangles), axis, across)
+        for side in (0, 1):
+            hit = faces[:, side] >= 0
+            place = np.zeros((int(hit.sum()), 3))
+            place[:, u], place[:, v] = across[hit].T
+            place[:, axis] = heights[hit, side]
+            points.append(place)
+            normals.append(mesh.face_normals[faces[hit, side]])
+    return np.vstack(points), np.vstack(normals)
+
+
+def _middles(low: float, high: float, spacing: float) -> Floats:
+    count = max(1, round((high - low) / spacing))
+    return low + (np.arange(count) + 0.5) * (high - low) / count
+
+
+def _heights(triangles: Floats, axis: int, across: Floats) -> tuple[Floats, NDArray[np.int64]]:
+    """Lowest and highest surface point (n, 2) over points (n, 2); faces, -1 where none."""
+    u, v = (axis + 1) % 3, (axis + 2) % 3
+    a, b, c = (triangles[:, k][:, [u, v]] for k in range(3))
+    area = _cross(b - a, c - a)
+    heights = np.tile([np.inf, -np.inf], (len(across), 1))
+    faces = np.full((len(across), 2), -1, dtype=np.int64)
+    flat = np.abs(area) < 1e-18
+    area[flat] = 1.0
+    for row, p in enumerate(across):
+        wb, wc = _cross(p - a, c - a) / area, _cross(b - a, p - a) / area
+        inside = np.flatnonzero((wb >= 0) & (wc >= 0) & (wb + wc <= 1) & ~flat)
+        if len(inside):
+            weights = np.stack([1 - wb[inside] - wc[inside], wb[inside], wc[inside]], axis=1)
+            level = (weights * triangles[inside][:, :, axis]).sum(axis=1)
+            for side, pick in ((0, np.argmin(level)), (1, np.argmax(level))):
+                heights[row, side], faces[row, side] = level[pick], inside[pick]
+    return heights, faces
+
+
+def _cross(a: Floats, b: Floats) -> Floats:
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+
+
+def _rolled(
+    points: Floats, approach: Floats, rolls: int, first: Floats | None = None, radius: float = 0.0
+) -> CandidateGrasps:
+    """Candidates with closing axes evenly around each approach, from `first` (n, 3) on."""
+    first = perpendicular(approach) if first is None else first
+    second = np.cross(approach, first)
+    angles = 2.0 * np.pi * np.arange(rolls) / rolls
+    axes = np.cos(angles)[:, None] * first[:, None] + np.sin(angles)[:, None] * second[:, None]
+    count = len(points) * rolls
+    return CandidateGrasps(
+        grasp_point=np.repeat(points, rolls, axis=0),
+        approach=np.repeat(approach, rolls, axis=0),
+        closing_axis=axes.reshape(-1, 3),
+        sphere=np.repeat(np.arange(len(points)), rolls),
+        kind=np.full(count, -1, dtype=np.int8),
+        radius=np.full(count, radius),
+        fate=np.zeros(0, dtype=np.int8),
+    )
+
+
+def joined_candidates(parts: list[CandidateGrasps]) -> CandidateGrasps:
+    """One struct of candidates from several that have no spheres; places are numbered anew."""
+    names = ("grasp_point", "approach", "closing_axis", "kind", "radius")
+    arrays: dict[str, Any] = {
+        name: np.concatenate([getattr(part, name) for part in parts]) for name in names
+    }
+    shift = np.cumsum([0] + [int(part.sphere.max(initial=-1)) + 1 for part in parts[:-1]])
+    sphere = np.concatenate([part.sphere + s for part, s in zip(parts, shift, strict=True)])
+    return CandidateGrasps(**arrays, sphere=sphere, fate=np.zeros(0, dtype=np.int8))
+
+
+def normal_candidates(mesh: trimesh.Trimesh, hand: Hand, **unused: Any) -> CandidateGrasps:
+    """`surface_normal_candidates` as the planners call it; neither hand nor spheres matter."""
+    return surface_normal_candidates(mesh)
+
+
+def box_candidates(mesh: trimesh.Trimesh, hand: Hand, **unused: Any) -> CandidateGrasps:
+    """`fitted_box_candidates` as the planners call it; neither hand nor spheres matter."""
+    return fitted_box_candidates(mesh)

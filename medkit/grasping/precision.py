@@ -1,0 +1,260 @@
+"""Precision grasps: preshape, start pose, closing with the hand following its thumb, contacts.
+
+After P13 4.7, algorithms 6 and 7, on the closing kernels of power grasps.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from medkit.geometry import Floats
+from medkit.grasping.body_kernels import workspace
+from medkit.grasping.closing_hand import ClosingHand, closing_hand, hand_rotation
+from medkit.grasping.closing_kernels import retreat
+from medkit.grasping.contact_kernels import COLUMNS, SPOTS, hand_contacts
+from medkit.grasping.distance_grid import ObjectField, object_field
+from medkit.grasping.grasp_set import Grasp
+from medkit.grasping.planners import PREGRASP_WAY, Quality, judge
+from medkit.grasping.power import (
+    CONTACT_SEPARATION,
+    CONTACT_TOLERANCE,
+    CONTACTS_PER_BODY,
+    MAX_RETREAT,
+    MIN_OPPOSITION,
+    Contacts,
+)
+from medkit.grasping.precision_grip import (
+    OPENING_FACTOR,
+    grip_path,
+    opposing_fingers,
+    precision_grip,
+)
+from medkit.grasping.precision_kernels import close_pads
+from medkit.robots.hand import Hand
+
+
+@dataclass(frozen=True)
+class ClosedPrecisionGrasp:
+    """One hand closed for a precision grasp.
+
+    Attributes
+    ----------
+    start_pose, pose : ndarray, shape (4, 4)
+        ``T_object_hand`` before and after closing [m].
+    q : ndarray, shape (nq,)
+        Joint coordinates after closing [rad or m].
+    contacts : Contacts
+        Where the pads' links lie on the object.
+    started : bool
+        Whether the start pose was free of the object.
+    touched : ndarray of bool, shape (f,)
+        Which fingers ended at the object; the thumb is first.
+    """
+
+    start_pose: Floats
+    pose: Floats
+    q: Floats
+    contacts: Contacts
+    started: bool
+    touched: NDArray[np.bool_]
+
+
+class PrecisionCloser:
+    """Closes the pads of one hand on one object, candidate after candidate.
+
+    Parameters
+    ----------
+    hand : Hand
+        Any hand with a thumb and opposing fingers.
+    field : ObjectField
+        The object, from `object_field`.
+    opening_factor : float
+        Opening of the preshape over the diameter of the sphere, P13's k [1].
+    standoff : float
+        For candidates that are from no sphere (the surface-normal baseline of P13 5.1.6): the
+        hand, as wide open as its pads go, is drawn back from the grasp point until it is free
+        and then so much further [m].
+    idle : str
+        Preshape of the fingers that take no part, see `precision_grip`.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from medkit.robots import load_hand
+    >>> ball = trimesh.creation.icosphere(3, 0.015)
+    >>> closer = PrecisionCloser(load_hand("wsg50"), object_field(ball.triangles))
+    >>> grasp = closer.close(np.zeros(3), np.array([0, 0, -1.0]), np.array([0, 1.0, 0]), 0.015)
+    >>> grasp.started, grasp.touched.tolist()
+    (True, [True, True])
+    """
+
+    def __init__(
+        self,
+        hand: Hand,
+        field: ObjectField,
+        *,
+        opening_factor: float = OPENING_FACTOR,
+        standoff: float = 0.0,
+        idle: str = "precision",
+    ) -> None:
+        self.hand = hand
+        self.field = field
+        self.opening_factor = opening_factor
+        self.standoff = standoff
+        self.idle = idle
+        self.grip = precision_grip(hand, idle=idle)
+        self.arrays: ClosingHand = closing_hand(hand, preshape="precision")
+        self.path = grip_path(hand, self.grip, self.arrays)
+        self.work = workspace(field, self.arrays)
+        self._turned = replace(hand, palm_direction=self.grip.approach)
+        self._pads = _pads_only(self.arrays, hand)
+        self._slack = np.zeros(len(hand.bodies))
+        self._spots = np.zeros((SPOTS, COLUMNS))
+        self._rows = np.zeros((CONTACTS_PER_BODY * len(hand.bodies), COLUMNS))
+
+    def preshape(self, radius: float) -> tuple[float, Floats]:
+        """Amount along the grip for a sphere of `radius` [m], and the grasp centre (3,) [m].
+
+        The opening is ``2 k r``, at most as wide as the pads go (P13 4.30); the centre is half
+        of it in front of the thumb's pad, hand base frame (P13 4.31). As wide as the pads go
+        without a sphere.
+        """
+        grip = self.grip
+        wanted = 2.0 * self.opening_factor * radius if radius > 0.0 else grip.widest
+        amount = float(grip.amount_for(np.array([wanted]))[0])
+        opening = np.interp(amount, grip.amounts, grip.openings)
+        pad = [np.interp(amount, grip.amounts, column) for column in grip.thumb_pads.T]
+        return amount, np.asarray(pad + 0.5 * opening * grip.grip_axis)
+
+    def close(
+        self, grasp_point: Floats, approach: Floats, closing_axis: Floats, radius: float
+    ) -> ClosedPrecisionGrasp:
+        """Simulate one precision grasp.
+
+        Parameters
+        ----------
+        grasp_point : ndarray, shape (3,)
+            Centre of the sphere that is grasped, or point of the surface with a standoff [m].
+        approach, closing_axis : ndarray, shape (3,)
+            Unit directions, see `CandidateGrasps`.
+        radius : float
+            Radius of the sphere [m]; 0 for a candidate that is from none: stand off.
+
+        Returns
+        -------
+        ClosedPrecisionGrasp
+            Start and end pose, joints, contacts of the pads.
+        """
+        amount, center = self.preshape(radius)
+        base = np.eye(4)
+        base[:3, :3] = hand_rotation(approach[None], closing_axis[None], self._turned)[0]
+        base[:3, 3] = grasp_point - base[:3, :3] @ center
+        q = self.grip.configuration(self.hand, np.array([amount]))[0]
+        forwards = base[:3, :3] @ self.grip.approach
+        if radius <= 0.0 and not self._stand_off(grasp_point, base, q, forwards):
+            return self._failed(base, q)
+        start = base.copy()
+        amounts = np.minimum(amount, self.path.end)
+        touched = np.zeros(len(amounts), dtype=np.bool_)
+        if not close_pads(
+            self.field, self.arrays, self.path, forwards, base, q, amounts, touched, self._slack,
+            self.work,
+        ):  # fmt: skip
+            return self._failed(start, q)
+        return ClosedPrecisionGrasp(start, base, q, self._contacts(), True, touched)
+
+    def _stand_off(self, point: Floats, base: Floats, q: Floats, forwards: Floats) -> bool:
+        """Put the palm at `point`, draw back until free and by the standoff; False if never."""
+        base[:3, 3] = point - base[:3, :3] @ self.hand.T_hand_power[:3, 3]
+        way = retreat(self.field, self.arrays, q, base, forwards, MAX_RETREAT, self.work)
+        base[:3, 3] -= self.standoff * forwards
+        return bool(way >= 0.0)
+
+    def _failed(self, base: Floats, q: Floats) -> ClosedPrecisionGrasp:
+        nothing = Contacts(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=np.int64))
+        touched = np.zeros(len(self.path.end), dtype=np.bool_)
+        return ClosedPrecisionGrasp(base, base, q, nothing, False, touched)
+
+    def _contacts(self) -> Contacts:
+        """Contacts of the links with pads, as they stand in the workspace."""
+        arrays, bodies = self._pads
+        count = hand_contacts(
+            self.field, arrays, CONTACT_TOLERANCE, CONTACT_SEPARATION, MIN_OPPOSITION,
+            CONTACTS_PER_BODY, self._spots, self._rows, self.work,
+        )  # fmt: skip
+        rows = self._rows[:count]
+        return Contacts(
+            rows[:, :3].copy(), rows[:, 3:6].copy(), bodies[rows[:, 6].astype(np.int64)]
+        )
+
+
+class PrecisionTester:
+    """Closes the pads on a candidate and judges the result; the counterpart of `PowerTester`."""
+
+    def __init__(self, closer: PrecisionCloser, quality: Quality) -> None:
+        self.closer = closer
+        self.quality = quality
+
+    def parts(self) -> dict[str, Any]:
+        """What another process needs to build the same tester."""
+        return {
+            "hand": self.closer.hand,
+            "triangles": self.closer.field.triangles,
+            "quality": self.quality,
+            "opening_factor": self.closer.opening_factor,
+            "standoff": self.closer.standoff,
+            "idle": self.closer.idle,
+        }
+
+    @classmethod
+    def from_parts(cls, parts: Mapping[str, Any]) -> PrecisionTester:
+        """Build a tester from `parts`."""
+        closer = PrecisionCloser(
+            parts["hand"], object_field(parts["triangles"]),
+            opening_factor=parts["opening_factor"], standoff=parts["standoff"],
+            idle=parts["idle"],
+        )  # fmt: skip
+        return cls(closer, parts["quality"])
+
+    def test(
+        self, point: Floats, approach: Floats, closing_axis: Floats, radius: float
+    ) -> tuple[Grasp, float]:
+        """The tested grasp, and the time that its quality took [s]."""
+        closed = self.closer.close(point, approach, closing_axis, radius)
+        begin = time.perf_counter()
+        value, outcome = judge(closed.contacts, self.quality, started=closed.started)
+        spent = time.perf_counter() - begin
+        pregrasp = closed.start_pose.copy()
+        pregrasp[:3, 3] -= PREGRASP_WAY * approach
+        hand, contacts = self.closer.hand, closed.contacts
+        links = tuple(hand.link_names[hand.bodies[b].link] for b in contacts.bodies)
+        grasp = Grasp(
+            outcome, closed.pose, pregrasp, closed.q, approach, closing_axis, point, radius,
+            contacts.points, contacts.normals, links, value,
+        )  # fmt: skip
+        return grasp, spent
+
+
+def precision_tester(hand: Hand, triangles: Floats, quality: Quality) -> PrecisionTester:
+    """Prepare the published precision grasps of one hand on one object for the planners."""
+    return PrecisionTester(PrecisionCloser(hand, object_field(triangles)), quality)
+
+
+def _pads_only(arrays: ClosingHand, hand: Hand) -> tuple[ClosingHand, NDArray[np.int64]]:
+    """The hand reduced to the bodies that carry pads, for reading contacts; their rows before."""
+    tips = [finger.tip_link for finger in opposing_fingers(hand)]
+    bodies = np.flatnonzero(np.isin(arrays.body_link, tips))
+    planes = [arrays.planes[arrays.plane_start[b] : arrays.plane_start[b + 1]] for b in bodies]
+    start = np.concatenate([[0], np.cumsum([len(rows) for rows in planes])]).astype(np.int64)
+    reduced = arrays._replace(
+        body_link=arrays.body_link[bodies], plane_start=start, planes=np.vstack(planes),
+        box_low=arrays.box_low[bodies], box_high=arrays.box_high[bodies],
+        ball_center=arrays.ball_center[bodies], ball_radius=arrays.ball_radius[bodies],
+    )  # fmt: skip
+    return reduced, bodies
