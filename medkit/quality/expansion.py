@@ -17,7 +17,7 @@ CLOSURE_TOLERANCE = 1e-10
 #: Bounds of linearised cones meet this closely, in units of the longest wrench.
 LINEAR_GAP = 1e-10
 #: Room for facets: first try, and the tries after it; the last one ends with open bounds.
-CAPACITIES = (2**12, 2**16, 2**18)
+CAPACITIES = (2**13, 2**15, 2**18)
 #: How far a point must lie beyond a facet to see it, in longest wrenches. Symmetric grasps give
 #: facets in one plane exactly or not at all; those that nearly do so need a second opinion.
 SIGHTS = (1e-10, 1e-12, 3e-10, 1e-13, 1e-9, 1e-14)

@@ -209,7 +209,10 @@ def _grow(  # type: ignore[no-untyped-def]
         if height - lower <= gap:
             return CONVERGED, min(lower, upper), upper, turn
         seen = find_visible(work, row, vertex, turn, sight)
-        if counts[0] + seen * d > facets.shape[0] or counts[2] + seen * d > work.keys.shape[0]:
+        if (
+            counts[0] + max(0, seen * d - counts[1]) > facets.shape[0]
+            or counts[2] + seen * d > work.keys.shape[0]
+        ):
             return FULL, lower, upper, turn
         if not attach(work, seen, vertex, turn, upper):
             return FAILED, lower, upper, turn
