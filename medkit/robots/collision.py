@@ -77,6 +77,7 @@ class MeshCollider:
         self._faces = np.ascontiguousarray(faces, dtype=np.int64)
         self._mesh = mesh_geometry(self._vertices, self._faces)
         self._bodies = [convex_geometry(body) for body in hand.bodies]
+        self._balls = [_ball_around(body) for body in hand.bodies]
         self._planes = [_planes(body) for body in hand.bodies]
         self._bounds = self._vertices.min(axis=0), self._vertices.max(axis=0)
         self._tree = igl.AABB()
@@ -107,6 +108,10 @@ class MeshCollider:
         bool
             True from the first touch on.
         """
+        center, radius = self._balls[body]
+        place = T_object_link[:3, :3] @ center + T_object_link[:3, 3]
+        if max((self._bounds[0] - place).max(), (place - self._bounds[1]).max()) > radius:
+            return False
         return self._crosses(body, T_object_link) or self._swallowed(body, T_object_link)
 
     def hand_collides(
@@ -193,3 +198,9 @@ def _planes(body: LinkBody) -> tuple[Floats, Floats]:
     normals = np.cross(b - a, c - a)
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     return normals, np.einsum("ij,ij->i", normals, a)
+
+
+def _ball_around(body: LinkBody) -> tuple[Floats, float]:
+    """Centre (3,) and radius of a ball that holds a body [m]."""
+    center = 0.5 * (body.vertices.min(axis=0) + body.vertices.max(axis=0))
+    return center, float(np.linalg.norm(body.vertices - center, axis=1).max())
