@@ -138,3 +138,12 @@ def test_coupled_joints_of_the_schunk_hand_turn_alike():
         turn = poses[a, :3, :3].T @ poses[b, :3, :3]
         np.testing.assert_allclose(turn, rotation_about([0, 1, 0], bend), atol=1e-12)
     assert len(hand.joint_names) == 13
+
+
+def test_the_thumb_of_the_schunk_hand_starts_in_front_of_the_palm():
+    hand = load_hand("schunk")
+    place = hand.link_poses(hand.preshapes["power"])[hand.link_names.index("thumb base")]
+    np.testing.assert_allclose(1000 * place[:3, 3], [84.0, 33.1, 97.0], atol=0.05)
+    aside = hand.coordinates({"J10": 0.0})
+    place = hand.link_poses(aside)[hand.link_names.index("thumb base")]
+    np.testing.assert_allclose(1000 * place[:3, 3], [-9.0, 114.1, 97.0], atol=0.05)
