@@ -76,8 +76,7 @@ def plot_iso_score(curve: pd.DataFrame, *, ax: Any = None) -> Any:
         ax.fill_between(part["weight"], part["low"], part["high"], color=color, alpha=0.18)
         ax.plot(part["weight"], part["force"], color=color, marker=MARKERS[index % len(MARKERS)],
                 linestyle=_LINES[index % 4], label=f"{pose}, {mode}")  # fmt: skip
-    ax.set(xlabel=WEIGHT_LABEL, ylabel=FORCE_LABEL)
-    ax.set_ylim(bottom=0)
+    ax.set(xlabel=WEIGHT_LABEL, ylabel=FORCE_LABEL, ylim=(0, 1.05 * float(curve["high"].max())))
     ax.legend()
     return ax
 
@@ -95,6 +94,7 @@ def figure_iso_score(curve: pd.DataFrame, *, level: float | None = None) -> Any:
         ax.get_legend().remove()
         ax.set_title(f"{pose}, {mode}")
         ax.label_outer()
+    axes[0][0].set_ylim(0, 1.05 * float(curve["high"].max()))
     if level is not None:
         figure.suptitle(f"release force at an expected score of {level:g}", x=0.01, ha="left")
     return figure
@@ -120,15 +120,16 @@ def plot_recommendation(table: pd.DataFrame, *, pose: str, mode: str, ax: Any = 
     ax = axes_or_new(ax)
     part = table[(table["pose"] == pose) & (table["mode"] == mode)]
     weight = part["weight"]
-    ax.fill_between(weight, part["lower"], part["upper"], where=part["upper"] > part["lower"],
+    room = part["upper"] > part["lower"]
+    ax.fill_between(weight, part["lower"], part["upper"], where=room, interpolate=True,
                     color=BLUE, alpha=0.25, label="room for both")  # fmt: skip
     ax.plot(weight, part["upper_estimate"], color=BLUE, linestyle="--", marker="",
             label="naturalness, estimate")  # fmt: skip
     ax.plot(weight, part["upper"], color=BLUE, marker="", label="naturalness, cautious")
     ax.plot(weight, part["lower"], color=VERMILION, linestyle="-.", marker="", label="safety")
     ax.plot(weight, part["force"], linestyle="", marker="D", color=BLACK, label="recommended")
-    ax.set(xlabel=WEIGHT_LABEL, ylabel=FORCE_LABEL, title=f"{pose}, {mode}")
-    ax.set_ylim(bottom=0)
+    top = 1.05 * float(part[["upper_estimate", "force"]].max().max())
+    ax.set(xlabel=WEIGHT_LABEL, ylabel=FORCE_LABEL, title=f"{pose}, {mode}", ylim=(0, top))
     return ax
 
 
@@ -143,6 +144,7 @@ def figure_recommendation(table: pd.DataFrame) -> Any:
     for ax, (pose, mode) in zip(axes.ravel(), groups, strict=False):
         plot_recommendation(table, pose=str(pose), mode=str(mode), ax=ax)
         ax.label_outer()
+    axes[0][0].set_ylim(0, 1.05 * float(table[["upper_estimate", "force"]].max().max()))
     handles, labels = axes[0][0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=3, fontsize=8)
     return figure
@@ -169,8 +171,8 @@ def plot_interval_width(table: pd.DataFrame, *, ax: Any = None) -> Any:
     for index, (name, part) in enumerate(table.groupby("spread", sort=False)):
         ax.plot(part["subjects"], part["half_width"], color=CYCLE[index], marker=MARKERS[index],
                 linestyle=_LINES[index], label=str(name))  # fmt: skip
-    ax.set(xlabel="subjects", ylabel="half width of the slope's interval [N/kg]")
-    ax.set_ylim(bottom=0)
+    top = 1.05 * float(table["half_width"].max())
+    ax.set(xlabel="subjects", ylabel="half width of the interval [N/kg]", ylim=(0, top))
     ax.legend()
     return ax
 

@@ -5,13 +5,25 @@ import matplotlib
 matplotlib.use("agg")
 import matplotlib.pyplot as plt
 import numpy as np
+import pandas as pd
 import pytest
 
+from medkit.datasets.handover_trials import human_references
 from medkit.errors import InputError
 from medkit.handover import claims, iso_score, load_trials, recommend_force, score
 from medkit.viz.handover import plot_rating_shares, plot_score_map
 from medkit.viz.handover_figures import FIGURES, thesis_figure
-from medkit.viz.handover_results import figure_iso_score, figure_recommendation, plot_claims
+from medkit.viz.handover_results import (
+    add_load_line,
+    figure_iso_score,
+    figure_recommendation,
+    plot_calibration,
+    plot_claims,
+    plot_human_release,
+    plot_interval_width,
+    plot_link,
+    plot_power,
+)
 
 
 @pytest.fixture(scope="module")
@@ -60,6 +72,30 @@ def test_results_draw_with_one_panel_per_condition(trials):
     assert len(figure_recommendation(recommend_force(trials)).axes) == 4
     ax = plot_claims(claims(trials, draws=10, shuffles=19))
     assert len(ax.get_yticklabels()) == 7
+
+
+def test_no_curve_leaves_its_panel(trials):
+    curve, table = iso_score(trials), recommend_force(trials)
+    for figure, highest in (
+        (figure_iso_score(curve), curve["high"].max()),
+        (figure_recommendation(table), table["upper_estimate"].max()),
+    ):
+        assert all(ax.get_ylim()[1] > highest for ax in figure.axes)
+        assert all(ax.get_ylim()[0] == 0 for ax in figure.axes)
+
+
+def test_checks_and_plans_draw_a_line_per_group():
+    points = pd.DataFrame({"predicted": [0.1, 0.9], "observed": [0.2, 0.8], "error": 0.05})
+    ax = plot_calibration(pd.concat([points.assign(event=name) for name in ("a", "b")]))
+    assert len(ax.containers) == 2
+    power = pd.DataFrame({"number": [1, 1, 2, 2], "subjects": [4, 8] * 2, "power": 0.5})
+    assert len(plot_power(power).get_legend().get_texts()) == 2
+    width = pd.DataFrame({"spread": ["x", "x"], "subjects": [4, 8], "half_width": [2.0, 1.0]})
+    assert plot_interval_width(width).get_ylim()[1] > 2.0
+    assert len(plot_link().lines) == 4
+    ax = plot_human_release(human_references())
+    assert len(ax.patches) == 5  # the sixth has no upper bound: an arrow
+    assert len(add_load_line(ax, np.array([0.1, 1.0])).lines) == 2
 
 
 def test_unknown_names_are_refused(trials):
