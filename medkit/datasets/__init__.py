@@ -2,6 +2,11 @@
 
 from medkit.datasets.folder import load_folder as load_folder
 
+# Ratings of robot-to-human handovers.
+from medkit.datasets.handover_trials import handover_anomalies as handover_anomalies
+from medkit.datasets.handover_trials import human_references as human_references
+from medkit.datasets.handover_trials import load_handover_table as load_handover_table
+
 # Recordings of people grasping.
 from medkit.datasets.human_grasps import FINGERS as FINGERS
 from medkit.datasets.human_grasps import SENSORS as SENSORS
