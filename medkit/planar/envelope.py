@@ -19,6 +19,8 @@ from medkit.planar.outlines import Outline
 
 #: Below this, two abscissae or two relative values count as equal (the outline has size one).
 TINY = 1e-10
+#: Ties of value, slope and curvature: rounding, and what rounding of a root makes of a slope.
+TIE = (1e-13, 1e-11, 1e-10)
 
 
 @dataclass(frozen=True)
@@ -77,7 +79,8 @@ class Parabolas:
 def seen_from_edge(sites: Sites, i: int) -> Parabolas:
     """Radius at which the disk tangent to edge i at x meets every other site."""
     a, t, n = sites.starts[i], sites.tangents[i], sites.normals[i]
-    slack = 1.0 - sites.normals @ n
+    # one minus the cosine, without cancellation between nearly parallel edges
+    slack = 0.5 * ((sites.normals - n) ** 2).sum(axis=1)
     facing = slack > 1e-12
     slack = np.where(facing, slack, 1.0)
     away = a - sites.starts
@@ -185,6 +188,7 @@ def lower_envelope(
     while x < end - TINY:
         best = _lowest_just_after(functions, x)
         stop = _next_event(functions, best, x, min(end, float(functions.high[best])))
+        best, stop = _confirmed(functions, best, x, stop, end)
         owner = int(functions.owner[best])
         if pieces and pieces[-1][2] == owner:
             pieces[-1] = (pieces[-1][0], stop, owner)
@@ -202,8 +206,26 @@ def _lowest_just_after(functions: Parabolas, x: float) -> int:
         c, b, a = functions.q[valid].T
         value = (c + x * (b + x * a), b + 2 * x * a, a)[order]
         lowest = float(value.min())
-        valid = valid[value <= lowest + 10 * TINY * max(1.0, abs(lowest))]
+        valid = valid[value <= lowest + TIE[order] * max(1.0, abs(lowest))]
     return int(valid[0])
+
+
+def _confirmed(
+    functions: Parabolas, best: int, x: float, stop: float, end: float
+) -> tuple[int, float]:
+    """Look again halfway: near a tie, rounding may have picked the wrong one of two functions."""
+    for _ in range(len(functions.owner)):
+        middle = 0.5 * (x + stop)
+        value = functions.q @ np.array([1.0, middle, middle * middle])
+        value[(functions.low > middle) | (functions.high < middle)] = np.inf
+        rival = int(np.argmin(value))
+        if value[best] - value[rival] <= TIE[0] * max(1.0, abs(float(value[rival]))):
+            break
+        if functions.low[rival] > x + TINY:
+            return best, float(functions.low[rival])
+        best = rival
+        stop = _next_event(functions, best, x, min(end, float(functions.high[best])))
+    return best, stop
 
 
 def _next_event(functions: Parabolas, best: int, x: float, stop: float) -> float:

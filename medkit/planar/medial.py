@@ -112,6 +112,8 @@ def medial_axis(outline: Outline, *, spacing: float | None = None) -> MedialAxis
     Notes
     -----
     Source: P13 3.2 and 4.2, after Blum 1967. Cost grows with the square of the number of edges.
+    Polygons of more than some 600 nearly straight-on edges come close to the limits of double
+    precision, and single joints may stay open; give such a curve as a smooth outline.
 
     Examples
     --------

@@ -96,7 +96,7 @@ def disks_on_arcs(sites: Sites, site: Ints, partner: Ints, at: Floats) -> tuple[
     depth = ((first - sites.starts[e2]) * sites.normals[e2]).sum(axis=1)
     gap = corners[k2] - first
     with np.errstate(divide="ignore", invalid="ignore"):
-        to_line = depth / (1.0 - (push * sites.normals[e2]).sum(axis=1))
+        to_line = depth / (0.5 * ((push - sites.normals[e2]) ** 2).sum(axis=1))
         to_point = (gap**2).sum(axis=1) / (2.0 * (gap * push).sum(axis=1))
     radii = np.maximum(np.where(straight, to_line, to_point), 0.0)
     centers = first + radii[:, None] * push
