@@ -1,0 +1,181 @@
+"""Many objects at once: planned on one machine or on a cluster, written one file an object.
+
+Needs the extra ``cluster`` (dask.distributed) for anything but the serial run.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import trimesh
+
+from medkit.errors import InputError
+from medkit.grasping.grasp_file import read_grasps, write_grasps
+from medkit.grasping.grasp_set import GraspSet
+from medkit.grasping.planners import object_record, plan_grasps, with_origin
+from medkit.robots.hand import Hand
+
+Done = Callable[[str, GraspSet], None]
+
+
+def plan_many(
+    objects: Mapping[str, trimesh.Trimesh] | Iterable[tuple[str, trimesh.Trimesh]],
+    hand: Hand,
+    folder: str | os.PathLike[str],
+    *,
+    scheduler: str | None = None,
+    workers: int = 0,
+    seed: int = 0,
+    done: Done | None = None,
+    **parameters: Any,
+) -> dict[str, Path]:
+    """Plan grasps of many objects; whatever a former run finished is kept.
+
+    Parameters
+    ----------
+    objects : mapping or iterable of (name, mesh)
+        Closed meshes [m]. The names become file names.
+    hand : Hand
+        The hand.
+    folder : path-like
+        Existing folder for the grasp files ``name.json``.
+    scheduler : str, optional
+        Address of a dask scheduler, for example ``"tcp://10.0.0.1:8786"``.
+    workers : int
+        Processes of a cluster on this machine; 0 for a serial run. Not used with a scheduler.
+    seed : int
+        Draws the candidates of every object: each gets a generator of its own from the seed and
+        its name, so that neither order nor number of processes matters.
+    done : callable, optional
+        Called with the name and the result of each object as it is finished.
+    **parameters
+        Arguments of `plan_grasps`: grasp, planner, friction, search_radius, ...
+
+    Returns
+    -------
+    dict of str to pathlib.Path
+        The grasp file of every object, in the order given.
+
+    Raises
+    ------
+    InputError
+        If the folder is missing, a name cannot be a file name, or dask.distributed is not
+        installed but asked for.
+    """
+    target = Path(folder)
+    if not target.is_dir():
+        raise InputError(f"Expected an existing folder for the grasps, but {target} is not one.")
+    pairs = dict(objects.items() if isinstance(objects, Mapping) else objects)
+    files = {name: target / f"{_file_name(name)}.json" for name in pairs}
+    open_ = {
+        name: mesh
+        for name, mesh in pairs.items()
+        if not _is_finished(files[name], mesh, hand, seed, parameters)
+    }
+    for name, found in _results(open_, hand, scheduler, workers, seed, parameters):
+        write_grasps(files[name], found)
+        if done is not None:
+            done(name, found)
+    return files
+
+
+def plan_one(
+    name: str, vertices: np.ndarray, faces: np.ndarray, hand: Hand, seed: int, parameters: dict
+) -> GraspSet:
+    """Plan one object of a batch from its arrays (n, 3) [m] and (f, 3); what a worker runs."""
+    mesh = trimesh.Trimesh(vertices, faces, process=False)
+    rng = np.random.default_rng([seed, int(hashlib.sha256(name.encode()).hexdigest()[:8], 16)])
+    found = plan_grasps(mesh, hand, rng=rng, **parameters)
+    return with_origin(found, seed=seed, path=name)
+
+
+def _results(
+    objects: Mapping[str, trimesh.Trimesh],
+    hand: Hand,
+    scheduler: str | None,
+    workers: int,
+    seed: int,
+    parameters: dict,
+) -> Iterable[tuple[str, GraspSet]]:
+    tasks = {
+        name: (name, np.asarray(mesh.vertices), np.asarray(mesh.faces), hand, seed, parameters)
+        for name, mesh in objects.items()
+    }
+    if scheduler is None and workers < 1:
+        for name, task in tasks.items():
+            yield name, plan_one(*task)
+        return
+    if not tasks:
+        return
+    with _client(scheduler, workers) as client:
+        from distributed import as_completed
+
+        futures = {
+            client.submit(plan_one, *task, key=f"medkit-{name}-{seed}", pure=False): name
+            for name, task in tasks.items()
+        }
+        for future in as_completed(futures):
+            yield futures[future], future.result()
+
+
+@contextmanager
+def _client(scheduler: str | None, workers: int) -> Any:
+    """A client of the scheduler, or of a cluster of single-threaded processes made for this."""
+    try:
+        from distributed import Client, LocalCluster
+    except ImportError as error:
+        raise InputError(
+            "Expected dask.distributed for a run on several processes, but it is not installed;"
+            " install medkit[cluster], or run serially with workers=0."
+        ) from error
+    if scheduler is not None:
+        with Client(scheduler) as client:
+            yield client
+        return
+    with (
+        LocalCluster(
+            n_workers=workers, threads_per_worker=1, processes=True, dashboard_address=None
+        ) as cluster,
+        Client(cluster) as client,
+    ):
+        yield client
+
+
+def _is_finished(
+    file: Path, mesh: trimesh.Trimesh, hand: Hand, seed: int, parameters: Mapping[str, Any]
+) -> bool:
+    """Whether a file holds what would be planned: same object, hand, seed and parameters."""
+    if not file.is_file():
+        return False
+    try:
+        found = read_grasps(file)
+    except InputError:
+        return False  # not ours, or of an older schema: planned anew
+    same = all(
+        found.parameters.get(key) == value
+        for key, value in parameters.items()
+        if key in found.parameters
+    )
+    for key in ("planner", "grasp"):
+        same = same and parameters.get(key, getattr(found, key)) == getattr(found, key)
+    record = object_record(mesh, np.zeros(3))
+    return (
+        same
+        and found.seed == seed
+        and found.hand == hand.name
+        and (found.object.sha256 == record.sha256)
+    )
+
+
+def _file_name(name: str) -> str:
+    if not name or Path(name).name != name:
+        raise InputError(
+            f"Expected names that can be file names, but got {name!r}; leave out slashes."
+        )
+    return name

@@ -1,0 +1,109 @@
+"""How a planner's yield bears errors in the hand's pose."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+
+from medkit.geometry import nonnegative, rotation_about, unit
+from medkit.grasping.candidates import CandidateGrasps
+from medkit.grasping.experiments import ObjectBench, Setting
+from medkit.grasping.grasp_set import FORCE_CLOSURE
+from medkit.grasping.planners import choose_candidates, run_candidates
+
+
+def displaced(
+    candidates: CandidateGrasps, *, shift: float, turn: float, rng: np.random.Generator
+) -> CandidateGrasps:
+    """Candidates as a hand meets them that is off by `shift` [m] and `turn` [rad].
+
+    Parameters
+    ----------
+    candidates : CandidateGrasps
+        As planned.
+    shift : float
+        Length of a displacement in a random direction, another for each candidate [m].
+    turn : float
+        Angle of a turn about a random axis through the grasp point [rad].
+    rng : numpy.random.Generator
+        Draws directions and axes.
+
+    Returns
+    -------
+    CandidateGrasps
+        The same candidates, moved.
+    """
+    nonnegative(shift, "shift", " m")
+    nonnegative(turn, "turn", " rad")
+    directions = (
+        unit(rng.normal(size=(len(candidates), 3))) if len(candidates) else np.zeros((0, 3))
+    )
+    axes = unit(rng.normal(size=(len(candidates), 3))) if len(candidates) else np.zeros((0, 3))
+    turns = np.array([rotation_about(axis, turn) for axis in axes]).reshape(-1, 3, 3)
+    return replace(
+        candidates,
+        grasp_point=candidates.grasp_point + shift * directions,
+        approach=np.einsum("nij,nj->ni", turns, candidates.approach),
+        closing_axis=np.einsum("nij,nj->ni", turns, candidates.closing_axis),
+    )
+
+
+def yields_under_errors(
+    bench: ObjectBench,
+    setting: Setting,
+    *,
+    shifts: Sequence[float] = (0.0, 0.001, 0.002, 0.005, 0.01),
+    turns: Sequence[float] = tuple(np.deg2rad([0.0, 2.0, 5.0, 10.0])),
+    most: int | None,
+    rng: np.random.Generator,
+) -> pd.DataFrame:
+    """Yield of one planner on one object when the hand is misplaced.
+
+    Every candidate is tested once for each error. Shifts are tried without turns, and turns
+    without shifts.
+
+    Parameters
+    ----------
+    bench : ObjectBench
+        The prepared object.
+    setting : Setting
+        The planner.
+    shifts, turns : sequences of float
+        Sizes of the errors [m], [rad].
+    most : int or None
+        Candidates at most.
+    rng : numpy.random.Generator
+        Draws candidates and errors.
+
+    Returns
+    -------
+    pandas.DataFrame
+        ``shift`` [m], ``turn`` [rad], ``tested``, ``held`` (force-closure grasps), ``kept``: of
+        the candidates that hold without an error, those that still hold, ``held_before``.
+    """
+    chosen = choose_candidates(bench.candidates(setting), most, rng)
+    tester = bench.tester(setting.grasp)
+
+    def holds(candidates: CandidateGrasps) -> np.ndarray:
+        return np.array(
+            [grasp.outcome == FORCE_CLOSURE for grasp, _ in run_candidates(tester, candidates)],
+            dtype=bool,
+        )
+
+    before = holds(chosen)
+    errors = [(s, 0.0) for s in shifts] + [(0.0, t) for t in turns if t > 0.0]
+    rows = []
+    for shift, turn in errors:
+        moved = displaced(chosen, shift=shift, turn=turn, rng=rng)
+        held = before if shift == turn == 0.0 else holds(moved)
+        rows.append(
+            {
+                "planner": setting.planner, "shift": shift, "turn": turn, "tested": len(held),
+                "held": int(held.sum()), "held_before": int(before.sum()),
+                "kept": int((held & before).sum()),
+            }
+        )  # fmt: skip
+    return pd.DataFrame(rows)

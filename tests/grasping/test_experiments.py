@@ -1,0 +1,101 @@
+"""Laws of the experiments: counts add up, intervals hold, a finished object is not repeated."""
+
+import numpy as np
+import pandas as pd
+import pytest
+import trimesh
+
+from medkit.errors import InputError
+from medkit.grasping import experiments
+from medkit.grasping.experiments import (
+    EXPERIMENTS,
+    ObjectBench,
+    Setting,
+    failure_reasons,
+    mean_yields,
+    run_experiment,
+    run_object,
+    yield_table,
+)
+from medkit.grasping.grasp_set import OUTCOMES
+from medkit.robots import load_hand
+
+HAND = load_hand("wsg50")
+BAR = trimesh.creation.cylinder(0.015, 0.12, sections=32)
+SETTINGS = (Setting("medial", "power", 0.03, 0.5), Setting("normals"), Setting("boxes"))
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    patch = pytest.MonkeyPatch()
+    patch.setenv("MEDKIT_CACHE", str(tmp_path_factory.mktemp("cache")))
+    yield run_experiment({"bar": BAR}, HAND, SETTINGS, candidates_per_object=8)
+    patch.undo()
+
+
+def test_outcomes_add_up_to_the_tested_candidates(results):
+    assert len(results) == len(SETTINGS)
+    assert (results[list(OUTCOMES)].sum(axis=1) == results.tested).all()
+    assert (results.tested == 8).all()
+
+
+def test_a_yield_lies_in_its_wilson_interval_within_zero_and_a_hundred(results):
+    table = yield_table(results)
+    assert ((table.low_pct <= table.yield_pct) & (table.yield_pct <= table.high_pct)).all()
+    assert table.low_pct.min() >= 0.0
+    assert table.high_pct.max() <= 100.0
+
+
+def test_wilson_s_interval_of_eight_in_ten_is_the_textbook_s():
+    row = {"planner": "medial", "grasp": "power", "search_radius": 0.03, "min_radius_ratio": 0.5}
+    frame = pd.DataFrame([{**row, "object": "x", "tested": 10, "force_closure": 8}])
+    table = yield_table(frame)
+    assert table.low_pct[0] == pytest.approx(49.0, abs=0.1)
+    assert table.high_pct[0] == pytest.approx(94.3, abs=0.1)
+
+
+def test_reasons_are_shares_of_a_hundred(results):
+    assert failure_reasons(results).sum(axis=1).to_numpy() == pytest.approx(100.0)
+
+
+def test_the_mean_over_objects_is_within_its_bootstrap_interval(results):
+    twice = pd.concat([results, results.assign(object="other", force_closure=0)])
+    means = mean_yields(twice, rng=np.random.default_rng(0), resamples=200)
+    assert (means.objects == 2).all()
+    assert ((means.low_pct <= means.yield_pct) & (means.yield_pct <= means.high_pct)).all()
+
+
+def test_a_finished_object_is_taken_from_the_cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("MEDKIT_CACHE", str(tmp_path))
+    ask = {"candidates_per_object": 3}
+    first = run_experiment({"bar": BAR}, HAND, SETTINGS[:1], **ask)
+
+    def not_again(*args, **kwargs):
+        raise AssertionError("the object was tested again")
+
+    monkeypatch.setattr(experiments, "run_object", not_again)
+    pd.testing.assert_frame_equal(run_experiment({"bar": BAR}, HAND, SETTINGS[:1], **ask), first)
+    with pytest.raises(AssertionError, match="again"):
+        run_experiment({"bar": BAR}, HAND, SETTINGS[:1], candidates_per_object=4)
+
+
+def test_the_same_seed_gives_the_same_counts():
+    one, two = (
+        run_object(BAR, HAND, SETTINGS[:1], candidates_per_object=5, seed=3) for _ in range(2)
+    )
+    for a, b in zip(one, two, strict=True):
+        assert {k: a[k] for k in OUTCOMES} == {k: b[k] for k in OUTCOMES}
+
+
+def test_the_three_experiments_have_the_objects_and_columns_of_the_thesis():
+    assert [len(EXPERIMENTS[k].objects) for k in (1, 2, 3)] == [10, 10, 7]
+    medial = [[s for s in EXPERIMENTS[k].settings if s.planner == "medial"] for k in (1, 2, 3)]
+    assert [len(settings) for settings in medial] == [1, 8, 4]
+    assert medial[0][0].search_radius == 0.06
+
+
+def test_no_object_and_no_planner_are_refused():
+    with pytest.raises(InputError, match="at least one object"):
+        run_experiment({}, HAND, SETTINGS, candidates_per_object=1)
+    with pytest.raises(InputError, match="medial, normals or boxes"):
+        ObjectBench(BAR, HAND).candidates(Setting("guess"))

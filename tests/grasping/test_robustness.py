@@ -1,0 +1,40 @@
+"""Laws of pose errors: no error changes nothing, errors are as large as stated."""
+
+import numpy as np
+import pytest
+import trimesh
+
+from medkit.grasping.baselines import surface_normal_candidates
+from medkit.grasping.experiments import ObjectBench, Setting
+from medkit.grasping.robustness import displaced, yields_under_errors
+from medkit.robots import load_hand
+
+BAR = trimesh.creation.cylinder(0.015, 0.12, sections=32)
+CANDIDATES = surface_normal_candidates(BAR, candidates=60)
+
+
+def test_an_error_has_the_stated_length_and_angle():
+    moved = displaced(CANDIDATES, shift=0.004, turn=0.1, rng=np.random.default_rng(0))
+    way = np.linalg.norm(moved.grasp_point - CANDIDATES.grasp_point, axis=1)
+    assert way == pytest.approx(np.full(len(way), 0.004))
+    cosine = np.einsum("ij,ij->i", moved.approach, CANDIDATES.approach)
+    assert cosine.min() >= np.cos(0.1) - 1e-9
+    assert np.allclose(np.einsum("ij,ij->i", moved.approach, moved.closing_axis), 0.0, atol=1e-9)
+
+
+def test_no_error_changes_nothing():
+    moved = displaced(CANDIDATES, shift=0.0, turn=0.0, rng=np.random.default_rng(0))
+    assert np.allclose(moved.grasp_point, CANDIDATES.grasp_point)
+    assert np.allclose(moved.approach, CANDIDATES.approach)
+
+
+def test_what_is_kept_is_at_most_what_held_before():
+    bench = ObjectBench(BAR, load_hand("wsg50"))
+    table = yields_under_errors(
+        bench, Setting("medial", "power", 0.03, 0.5), shifts=(0.0, 0.005), turns=(0.1,),
+        most=6, rng=np.random.default_rng(1),
+    )  # fmt: skip
+    assert len(table) == 3
+    assert (table.kept <= table.held_before).all()
+    assert (table.kept <= table.held).all()
+    assert table.kept[0] == table.held[0] == table.held_before[0]
