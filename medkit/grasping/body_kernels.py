@@ -13,8 +13,13 @@ from numba import njit
 
 #: Compiled for other kernels only: without the wrappers for Python, which cost compile time.
 inner = njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+#: The same for leaves that are called by the thousand: a call that hands over a whole struct of
+#: arrays costs more than what the leaf does.
+leaf = njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True)
 #: Lattice values are off by at most this many spacings between nodes (half a cell's diagonal).
 SLACK = float(np.sqrt(3.0) / 2.0) * (1.0 + 1e-6)
+#: A plane this far [m] above all corners of a triangle is not the nearest of its body.
+NEAR_PLANE = 1e-4
 #: Largest polygon that clipping a triangle by a body can leave.
 POLYGON = 192
 
@@ -34,6 +39,12 @@ class Workspace(NamedTuple):
     near: np.ndarray
     bound: np.ndarray
     slope: np.ndarray
+    active: np.ndarray
+    active_count: np.ndarray
+    cutting: np.ndarray
+    hint: np.ndarray
+    part_low: np.ndarray
+    part_high: np.ndarray
 
 
 def workspace(field: Any, hand: Any) -> Workspace:
@@ -46,16 +57,22 @@ def workspace(field: Any, hand: Any) -> Workspace:
         polygon=np.zeros((POLYGON, 3)),
         spare=np.zeros((POLYGON, 3)),
         local=np.zeros((3, 3)),
-        poses=np.zeros((len(hand.parent), 4, 4)),
+        poses=np.tile(np.eye(4), (len(hand.parent), 1, 1)),
         at_joint=np.zeros((4, 4)),
         motion=np.zeros((4, 4)),
         near=np.zeros(len(hand.body_link), dtype=np.bool_),
         bound=np.zeros((3, 2)),
         slope=np.zeros(len(hand.planes)),
+        active=np.zeros(len(hand.planes), dtype=np.int64),
+        active_count=np.zeros(1, dtype=np.int64),
+        cutting=np.zeros(len(hand.planes), dtype=np.int64),
+        hint=np.array(hand.plane_start[:-1]),
+        part_low=np.zeros((len(hand.body_link), 3)),
+        part_high=np.zeros((len(hand.body_link), 3)),
     )
 
 
-@inner
+@leaf
 def lattice_clearance(field: Any, x: float, y: float, z: float) -> float:
     """Distance [m] that the surface keeps from a point at the least."""
     shape = field.distances.shape
@@ -82,7 +99,7 @@ def lattice_clearance(field: Any, x: float, y: float, z: float) -> float:
     return low * (1 - a) + high * a - SLACK * h
 
 
-@inner
+@leaf
 def moved(pose: np.ndarray, points: np.ndarray, row: int) -> tuple[float, float, float]:
     """One of many points (n, 3), moved by a pose."""
     p, q, r = points[row, 0], points[row, 1], points[row, 2]
@@ -116,6 +133,70 @@ def body_clearance(field: Any, hand: Any, body: int, pose: np.ndarray, enough: f
 
 
 @inner
+def near_part(
+    field: Any, hand: Any, body: int, pose: np.ndarray, reach: float, enough: float, work: Any
+) -> float:
+    """Clearance of a body as in `body_clearance`, and the part of it that is within `reach` [m].
+
+    The part is a box in the link's frame, in ``work.part_low`` and ``work.part_high`` at the
+    body's row: no other point of its surface is within reach of the object's surface.
+    """
+    best = enough
+    for a in range(3):
+        work.part_low[body, a] = 1e9
+        work.part_high[body, a] = -1e9
+    cover = hand.cover[body]
+    for g in range(hand.group_start[body], hand.group_start[body + 1]):
+        x, y, z = moved(pose, hand.group_center, g)
+        radius = hand.group_radius[g] + cover
+        if lattice_clearance(field, x, y, z) - radius >= max(best, reach):
+            continue
+        least = 1e9
+        for s in range(hand.sample_start[g], hand.sample_start[g + 1]):
+            x, y, z = moved(pose, hand.samples, s)
+            value = lattice_clearance(field, x, y, z) - cover
+            least = min(least, value)
+            if value < reach:
+                for a in range(3):
+                    work.part_low[body, a] = min(work.part_low[body, a], hand.samples[s, a] - cover)
+                    work.part_high[body, a] = max(
+                        work.part_high[body, a], hand.samples[s, a] + cover
+                    )
+        best = min(best, least)
+    for a in range(3):
+        work.part_low[body, a] = max(work.part_low[body, a], hand.box_low[body, a])
+        work.part_high[body, a] = min(work.part_high[body, a], hand.box_high[body, a])
+    return best
+
+
+@inner
+def way_out_of_inside(
+    field: Any, hand: Any, body: int, pose: np.ndarray, approach: np.ndarray, way: float
+) -> float:
+    """Retreat [m] of at least `way` after which no sample of a body is well inside the object.
+
+    A sample inside stays inside until it leaves, so no free pose is passed over.
+    """
+    shape = field.distances.shape
+    h = field.spacing
+    for s in range(
+        hand.sample_start[hand.group_start[body]], hand.sample_start[hand.group_start[body + 1]]
+    ):
+        x, y, z = moved(pose, hand.samples, s)
+        while True:
+            i = round((x - way * approach[0] - field.origin[0]) / h)
+            j = round((y - way * approach[1] - field.origin[1]) / h)
+            k = round((z - way * approach[2] - field.origin[2]) / h)
+            if not (0 <= i < shape[0] and 0 <= j < shape[1] and 0 <= k < shape[2]):
+                break
+            if not field.inside[i, j, k]:
+                break
+            # Too near the surface to know the depth: a small certain step out instead.
+            way += max(field.distances[i, j, k] - SLACK * h, 0.2 * h)
+    return way
+
+
+@inner
 def deepest_inside(field: Any, hand: Any, body: int, pose: np.ndarray) -> float:
     """Depth [m] that some sample of a body surely has inside the object, 0 if none surely is."""
     shape = field.distances.shape
@@ -129,12 +210,11 @@ def deepest_inside(field: Any, hand: Any, body: int, pose: np.ndarray) -> float:
         k = round((z - field.origin[2]) / field.spacing)
         if 0 <= i < shape[0] and 0 <= j < shape[1] and 0 <= k < shape[2] and field.inside[i, j, k]:
             known = field.distances[i, j, k] - SLACK * field.spacing
-            # Too near the surface to know the depth: a small certain step out instead.
             deepest = max(deepest, known, 0.2 * field.spacing)
     return deepest
 
 
-@inner
+@leaf
 def to_link(pose: np.ndarray, triangle: np.ndarray, local: np.ndarray) -> None:
     """Write a triangle (3, 3) of the object into `local`, in a link's frame."""
     for v in range(3):
@@ -145,34 +225,54 @@ def to_link(pose: np.ndarray, triangle: np.ndarray, local: np.ndarray) -> None:
             local[v, a] = pose[0, a] * dx + pose[1, a] * dy + pose[2, a] * dz
 
 
+@leaf
+def _corners_beyond(planes: np.ndarray, f: int, local: np.ndarray, margin: float) -> int:
+    """How many corners of a triangle lie beyond a plane that is moved out by `margin` [m]."""
+    n0, n1, n2, d = planes[f, 0], planes[f, 1], planes[f, 2], planes[f, 3] + margin
+    out = 0
+    for v in range(3):
+        if n0 * local[v, 0] + n1 * local[v, 1] + n2 * local[v, 2] > d:
+            out += 1
+    return out
+
+
 @inner
 def clip_to_body(hand: Any, body: int, local: np.ndarray, margin: float, work: Any) -> int:
     """Part of a triangle inside a body grown by `margin` [m]; its corners are in `work.polygon`.
 
-    Returns the number of corners, 0 when triangle and body are apart.
+    Returns the number of corners, 0 when triangle and body are apart. ``work.active`` lists the
+    planes that some corner of the triangle is near or beyond.
     """
-    first, last = hand.plane_start[body], hand.plane_start[body + 1]
     planes = hand.planes
-    cut = False
-    for f in range(first, last):
-        n0, n1, n2, d = planes[f, 0], planes[f, 1], planes[f, 2], planes[f, 3] + margin
-        out = 0
-        for v in range(3):
-            if n0 * local[v, 0] + n1 * local[v, 1] + n2 * local[v, 2] > d:
-                out += 1
-        if out == 3:
+    # The plane that parted the last face from this body mostly parts the next one too.
+    if _corners_beyond(planes, work.hint[body], local, margin) == 3:
+        return 0
+    cut = active = 0
+    for f in range(hand.plane_start[body], hand.plane_start[body + 1]):
+        n0, n1, n2, d = planes[f, 0], planes[f, 1], planes[f, 2], planes[f, 3]
+        h0 = n0 * local[0, 0] + n1 * local[0, 1] + n2 * local[0, 2] - d
+        h1 = n0 * local[1, 0] + n1 * local[1, 1] + n2 * local[1, 2] - d
+        h2 = n0 * local[2, 0] + n1 * local[2, 1] + n2 * local[2, 2] - d
+        top = max(h0, h1, h2)
+        if top <= -NEAR_PLANE:
+            continue
+        if min(h0, h1, h2) > margin:
+            work.hint[body] = f
             return 0
-        if out > 0:
-            cut = True
+        work.active[active] = f
+        active += 1
+        if top > margin:
+            work.cutting[cut] = f
+            cut += 1
+    work.active_count[0] = active
     polygon, spare = work.polygon, work.spare
     for v in range(3):
         for a in range(3):
             polygon[v, a] = local[v, a]
     count = 3
     swapped = False
-    if not cut:
-        return count
-    for f in range(first, last):
+    for e in range(cut):
+        f = work.cutting[e]
         n0, n1, n2, d = planes[f, 0], planes[f, 1], planes[f, 2], planes[f, 3] + margin
         kept = 0
         for v in range(count):
@@ -200,7 +300,7 @@ def clip_to_body(hand: Any, body: int, local: np.ndarray, margin: float, work: A
     return count
 
 
-@inner
+@leaf
 def slab_interval(
     start: float, slope: float, low: float, high: float, first: float, last: float
 ) -> tuple[float, float]:
@@ -219,8 +319,19 @@ def collect_faces(
     field: Any, hand: Any, body: int, pose: np.ndarray, reach: float, work: Any
 ) -> int:
     """Faces that may come within `reach` [m] of a body's box, into `work.faces`; how many."""
+    for a in range(3):
+        work.part_low[body, a] = hand.box_low[body, a]
+        work.part_high[body, a] = hand.box_high[body, a]
+    return collect_part(field, body, pose, reach, work)
+
+
+@inner
+def collect_part(field: Any, body: int, pose: np.ndarray, reach: float, work: Any) -> int:
+    """Faces that may come within `reach` [m] of the part of a body that `near_part` found."""
     h = field.spacing
-    low, high, ball = hand.box_low, hand.box_high, hand.ball_center
+    low, high = work.part_low, work.part_high
+    if low[body, 0] > high[body, 0]:
+        return 0
     bound = work.bound
     cells = (
         field.distances.shape[0] - 1,
@@ -228,14 +339,9 @@ def collect_faces(
         field.distances.shape[2] - 1,
     )
     for a in range(3):
-        middle = (
-            pose[a, 0] * ball[body, 0]
-            + pose[a, 1] * ball[body, 1]
-            + pose[a, 2] * ball[body, 2]
-            + pose[a, 3]
-        )
-        half = reach
+        middle, half = pose[a, 3], reach
         for b in range(3):
+            middle += pose[a, b] * 0.5 * (low[body, b] + high[body, b])
             half += abs(pose[a, b]) * 0.5 * (high[body, b] - low[body, b])
         bound[a, 0] = max(np.floor((middle - half - field.origin[a]) / h), 0.0)
         bound[a, 1] = min(np.floor((middle + half - field.origin[a]) / h), cells[a] - 1.0)
@@ -246,38 +352,45 @@ def collect_faces(
     for i in range(int(bound[0, 0]), int(bound[0, 1]) + 1):
         dx = field.origin[0] + (i + 0.5) * h - pose[0, 3]
         for j in range(int(bound[1, 0]), int(bound[1, 1]) + 1):
+            row = (i * cells[1] + j) * cells[2]
+            k0, k1 = bound[2, 0], bound[2, 1]
+            if field.cell_start[row + int(k0)] == field.cell_start[row + int(k1) + 1]:
+                continue
             dy = field.origin[1] + (j + 0.5) * h - pose[1, 3]
             dz = field.origin[2] + 0.5 * h - pose[2, 3]
-            k0, k1 = bound[2, 0], bound[2, 1]
             for a in range(3):
                 start = pose[0, a] * dx + pose[1, a] * dy + pose[2, a] * dz
                 k0, k1 = slab_interval(
                     start, pose[2, a] * h, low[body, a] - grown, high[body, a] + grown, k0, k1
                 )
-            for k in range(int(np.ceil(k0)), int(np.floor(k1)) + 1):
-                cell = (i * cells[1] + j) * cells[2] + k
-                for e in range(field.cell_start[cell], field.cell_start[cell + 1]):
-                    face = field.cell_faces[e]
-                    if work.stamps[face] != stamp:
-                        work.stamps[face] = stamp
-                        if _ball_meets_box(field, hand, face, body, pose, reach):
-                            work.faces[found] = face
-                            found += 1
+            if k0 > k1:
+                continue
+            first, last = int(np.ceil(k0)), int(np.floor(k1))
+            if first > last:
+                continue
+            # the faces of neighbouring cells of a row follow each other in the list
+            for e in range(field.cell_start[row + first], field.cell_start[row + last + 1]):
+                face = field.cell_faces[e]
+                if work.stamps[face] != stamp:
+                    work.stamps[face] = stamp
+                    if _ball_meets_part(field, face, body, pose, reach, work):
+                        work.faces[found] = face
+                        found += 1
     return found
 
 
-@inner
-def _ball_meets_box(
-    field: Any, hand: Any, face: int, body: int, pose: np.ndarray, reach: float
+@leaf
+def _ball_meets_part(
+    field: Any, face: int, body: int, pose: np.ndarray, reach: float, work: Any
 ) -> bool:
-    """Whether the ball around a face comes within `reach` of a body's box, axis by axis."""
+    """Whether the ball around a face comes within `reach` of a body's part, axis by axis."""
     dx = field.centers[face, 0] - pose[0, 3]
     dy = field.centers[face, 1] - pose[1, 3]
     dz = field.centers[face, 2] - pose[2, 3]
     grown = field.radii[face] + reach
     for a in range(3):
         value = pose[0, a] * dx + pose[1, a] * dy + pose[2, a] * dz
-        if value < hand.box_low[body, a] - grown or value > hand.box_high[body, a] + grown:
+        if value < work.part_low[body, a] - grown or value > work.part_high[body, a] + grown:
             return False
     return True
 
@@ -298,40 +411,41 @@ def bodies_gap(
     hand: Any, a: int, pose_a: np.ndarray, b: int, pose_b: np.ndarray, enough: float
 ) -> float:
     """Least height [m] of samples of each body over the other's planes; `enough` when beyond."""
-    best = enough
-    for turn in range(2):
-        one, other, pose_one, pose_other = (a, b, pose_a, pose_b)
-        if turn == 1:
-            one, other, pose_one, pose_other = (b, a, pose_b, pose_a)
-        for g in range(hand.group_start[one], hand.group_start[one + 1]):
-            height = _height(
-                hand, other, pose_one, pose_other, hand.group_center, g, best + hand.group_radius[g]
-            )
-            if height - hand.group_radius[g] >= best:
-                continue
-            for s in range(hand.sample_start[g], hand.sample_start[g + 1]):
-                height = _height(hand, other, pose_one, pose_other, hand.samples, s, best)
-                if height < best:
-                    best = height
-    return best
+    best = _samples_over(hand, a, pose_a, b, pose_b, enough)
+    return _samples_over(hand, b, pose_b, a, pose_a, best)
 
 
 @inner
-def _height(
-    hand: Any,
-    body: int,
-    pose_from: np.ndarray,
-    pose_to: np.ndarray,
-    points: np.ndarray,
-    row: int,
-    enough: float,
+def _samples_over(
+    hand: Any, a: int, pose_a: np.ndarray, b: int, pose_b: np.ndarray, enough: float
 ) -> float:
-    """Largest height of a point of one link over the planes of a body of another link."""
-    dx, dy, dz = moved(pose_from, points, row)
-    dx, dy, dz = dx - pose_to[0, 3], dy - pose_to[1, 3], dz - pose_to[2, 3]
-    x = pose_to[0, 0] * dx + pose_to[1, 0] * dy + pose_to[2, 0] * dz
-    y = pose_to[0, 1] * dx + pose_to[1, 1] * dy + pose_to[2, 1] * dz
-    z = pose_to[0, 2] * dx + pose_to[1, 2] * dy + pose_to[2, 2] * dz
+    """Least height [m] of the samples of body a over the planes of body b."""
+    best = enough
+    relative = np.empty((3, 4))
+    for i in range(3):
+        for j in range(4):
+            relative[i, j] = 0.0
+            for k in range(3):
+                offset = pose_b[k, 3] if j == 3 else 0.0
+                relative[i, j] += pose_b[k, i] * (pose_a[k, j] - offset)
+    for g in range(hand.group_start[a], hand.group_start[a + 1]):
+        x, y, z = moved(relative, hand.group_center, g)
+        outside = max(hand.box_low[b, 0] - x, x - hand.box_high[b, 0])
+        outside = max(outside, max(hand.box_low[b, 1] - y, y - hand.box_high[b, 1]))
+        outside = max(outside, max(hand.box_low[b, 2] - z, z - hand.box_high[b, 2]))
+        # the box is cheap; the planes decide only about groups that it lets through
+        reach = best + hand.group_radius[g]
+        if outside >= reach or _height(hand, b, x, y, z, reach) >= reach:
+            continue
+        for s in range(hand.sample_start[g], hand.sample_start[g + 1]):
+            x, y, z = moved(relative, hand.samples, s)
+            best = min(best, _height(hand, b, x, y, z, best))
+    return best
+
+
+@leaf
+def _height(hand: Any, body: int, x: float, y: float, z: float, enough: float) -> float:
+    """Largest height [m] of a point over the planes of a body, in its link's frame."""
     top = -1e9
     planes = hand.planes
     for f in range(hand.plane_start[body], hand.plane_start[body + 1]):

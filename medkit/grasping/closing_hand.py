@@ -16,11 +16,11 @@ from medkit.robots.hand import Hand, LinkBody
 Ints = NDArray[np.int64]
 
 #: Spacing of the samples on a body's surface [m].
-SAMPLE_SPACING = 0.003
+SAMPLE_SPACING = 0.004
 #: Most samples in one group.
-GROUP_SIZE = 24
+GROUP_SIZE = 8
 #: Pairs of bodies that never come closer than this in the probed configurations are dropped [m].
-NEVER_NEAR, PROBES = 0.004, 400
+NEVER_NEAR, PROBES = 0.0015, 400
 
 
 #: Arrays taken over from the kinematic tree.

@@ -15,19 +15,27 @@ from numba import njit
 from medkit.grasping.body_kernels import (
     balls_gap,
     bodies_gap,
-    body_clearance,
     clip_to_body,
-    collect_faces,
-    deepest_inside,
+    collect_part,
     inner,
+    near_part,
     to_link,
+    way_out_of_inside,
 )
-from medkit.robots.kernels import joint_motion, rigid_product
+from medkit.robots.kernels import joint_motion
 
 #: How a closing joint stopped.
 TOUCH, SELF, LIMIT = 1, 2, 3
 #: Depth [m] to which samples of two bodies of the hand may overlap before they count as touching.
 SELF_DEPTH = 0.0005
+#: Longest sweep [m] that is confirmed on the triangles in one go.
+WINDOW = 0.008
+#: A prime, for walking through a list in scattered order.
+SCATTER = 7919
+#: P13 4.6.2: how often the last stride is halved.
+HALVINGS = 10
+#: Gaps [m] between the hand's own bodies beyond this are not measured.
+SELF_HORIZON = 0.03
 #: A retreat ends this far [m] from touching, so that the pose itself is free.
 CLEAR = 1e-6
 
@@ -41,16 +49,27 @@ def place_links(hand: Any, q: np.ndarray, base: np.ndarray, work: Any) -> None:
 
 @inner
 def _place_link(hand: Any, q: np.ndarray, base: np.ndarray, link: int, work: Any) -> None:
+    # One fused product, since this runs a thousand times a grasp: parent, placement, motion.
     parent = hand.parent[link]
-    if parent < 0:
-        rigid_product(base, hand.placement[link], work.at_joint)
-    else:
-        rigid_product(work.poses[parent], hand.placement[link], work.at_joint)
+    at = work.at_joint
+    for i in range(3):
+        for j in range(4):
+            at[i, j] = 0.0
+        for k in range(3):
+            above = base[i, k] if parent < 0 else work.poses[parent, i, k]
+            for j in range(4):
+                at[i, j] += above * hand.placement[link, k, j]
+        at[i, 3] += base[i, 3] if parent < 0 else work.poses[parent, i, 3]
     value = hand.offset[link]
     if hand.coordinate[link] >= 0:
         value += hand.multiplier[link] * q[hand.coordinate[link]]
     joint_motion(hand.kind[link], hand.axis[link], value, work.motion)
-    rigid_product(work.at_joint, work.motion, work.poses[link])
+    for i in range(3):
+        for j in range(4):
+            total = at[i, 3] if j == 3 else 0.0
+            for k in range(3):
+                total += at[i, k] * work.motion[k, j]
+            work.poses[link, i, j] = total
 
 
 @inner
@@ -100,19 +119,23 @@ def sweep_faces(
     """Last value between `free` and `end` at which a body, swept by one joint, is still free.
 
     Each face near the sweep is tried at the best end so far; only where it hits is its own
-    moment of touch found by halving. On entry the links stand at `free`, on exit anywhere.
+    moment of touch found by halving. On entry the links stand at `free` and `near_part` has been
+    called there; on exit they stand anywhere.
     """
     link = hand.body_link[body]
-    found = collect_faces(field, hand, body, work.poses[link], reach, work)
+    found = collect_part(field, body, work.poses[link], reach, work)
     best = end
     _set_joint(hand, q, base, step, best, work)
+    # Faces lie in the list in the order of the lattice; in a scattered order the best end
+    # improves a few times instead of at every face.
+    scatter = SCATTER if found % SCATTER != 0 else 1
     for e in range(found):
-        triangle = field.triangles[work.faces[e]]
+        triangle = field.triangles[work.faces[(e * scatter) % found]]
         to_link(work.poses[link], triangle, work.local)
         if clip_to_body(hand, body, work.local, 0.0, work) == 0:
             continue
         low, high = free, best
-        for _ in range(14):
+        for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
             _set_joint(hand, q, base, step, middle, work)
             to_link(work.poses[link], triangle, work.local)
@@ -139,30 +162,30 @@ def advance_joint(
     joint = hand.joint[step]
     stop = hand.limits[joint, 1] if sign > 0.0 else hand.limits[joint, 0]
     first, last = hand.moved_body_start[step], hand.moved_body_start[step + 1]
-    window = 0.004
     longest = 0.0
     for m in range(first, last):
-        window = min(window, 0.6 * hand.width[hand.moved_body[m]])
         longest = max(longest, hand.lever[m])
     value = q[joint]
+    budget = 0.0
     while sign * (stop - value) > 1e-9:
         stride = abs(stop - value)
         anything_near = False
         for m in range(first, last):
             body = hand.moved_body[m]
-            gap = body_clearance(
-                field, hand, body, work.poses[hand.body_link[body]], stride * hand.lever[m]
-            )
+            pose = work.poses[hand.body_link[body]]
+            # A sweep stays well below the body's width, so that no face is jumped over.
+            window = min(WINDOW, 0.6 * hand.width[body])
+            gap = near_part(field, hand, body, pose, window, stride * hand.lever[m], work)
             work.near[body] = gap < window
-            if gap < window:
-                anything_near = True
-            else:
-                stride = min(stride, gap / hand.lever[m])
-        own = self_clearance(hand, step, stride * longest, work)
-        stride = min(stride, max(own, SELF_DEPTH) / longest)
+            anything_near = anything_near or work.near[body]
+            stride = min(stride, max(gap, window) / hand.lever[m])
+        # What is known to be free of the hand itself is used up before it is looked at again.
+        if budget < SELF_DEPTH:
+            budget = max(self_clearance(hand, step, SELF_HORIZON, work), SELF_DEPTH)
+        stride = min(stride, budget / longest)
         end = value + sign * stride
+        touched = False
         if anything_near:
-            end = value + sign * min(stride, window / longest)
             for m in range(first, last):
                 body = hand.moved_body[m]
                 if not work.near[body]:
@@ -170,14 +193,11 @@ def advance_joint(
                 _set_joint(hand, q, base, step, value, work)
                 reach = abs(end - value) * hand.lever[m]
                 reached = sweep_faces(field, hand, base, q, step, body, value, end, reach, work)
-                if reached != end:
-                    anything_near = False  # from here on: touched
-                    end = reached
-            touched = not anything_near
-        else:
-            touched = False
+                touched = touched or reached != end
+                end = reached
         _set_joint(hand, q, base, step, end, work)
-        if self_clearance(hand, step, 0.0, work) < -SELF_DEPTH:
+        budget -= abs(end - value) * longest
+        if budget < SELF_DEPTH and self_clearance(hand, step, 0.0, work) < -SELF_DEPTH:
             _stop_before_self(hand, base, q, step, value, end, work)
             return SELF
         value = end
@@ -219,9 +239,18 @@ def retreat(
     passed over. Returns the way [m], -1 when it would exceed `limit`.
     """
     x, y, z = base[0, 3], base[1, 3], base[2, 3]
-    way = 0.0
     place_links(hand, q, base, work)
     bodies = hand.body_link.shape[0]
+    way = 0.0
+    for body in range(bodies):
+        pose = work.poses[hand.body_link[body]]
+        way = way_out_of_inside(field, hand, body, pose, approach, way)
+    base[0, 3], base[1, 3], base[2, 3] = (
+        x - way * approach[0],
+        y - way * approach[1],
+        z - way * approach[2],
+    )
+    place_links(hand, q, base, work)
     clean, body = 0, 0
     while clean < bodies:
         need = _way_out(field, hand, body, approach, work)
@@ -244,10 +273,10 @@ def retreat(
 def _way_out(field: Any, hand: Any, body: int, approach: np.ndarray, work: Any) -> float:
     """Least further retreat [m] that a body needs, as far as its present hits tell; 0 if free."""
     pose = work.poses[hand.body_link[body]]
-    if body_clearance(field, hand, body, pose, 1e-3) > 0.0:
-        return deepest_inside(field, hand, body, pose)
+    if near_part(field, hand, body, pose, 0.0, 1e-3, work) > 0.0:
+        return way_out_of_inside(field, hand, body, pose, approach, 0.0)
     need = 0.0
-    found = collect_faces(field, hand, body, pose, 0.0, work)
+    found = collect_part(field, body, pose, 0.0, work)
     first, last = hand.plane_start[body], hand.plane_start[body + 1]
     for f in range(first, last):
         work.slope[f] = 0.0

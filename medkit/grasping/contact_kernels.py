@@ -7,7 +7,13 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from medkit.grasping.body_kernels import clip_to_body, collect_faces, inner, to_link
+from medkit.grasping.body_kernels import (
+    clip_to_body,
+    collect_part,
+    inner,
+    near_part,
+    to_link,
+)
 
 #: Columns of a contact row: point (3), inward normal (3), body, gap, face.
 COLUMNS = 9
@@ -21,11 +27,12 @@ TIE = 1e-5
 
 @inner
 def _gap_and_alignment(
-    field: Any, hand: Any, body: int, face: int, pose: np.ndarray, p: np.ndarray
+    field: Any, hand: Any, face: int, pose: np.ndarray, p: np.ndarray, active: int, work: Any
 ) -> tuple[float, float]:
     """Height [m] of a point of a link over its body, and how far both surfaces oppose (cosine)."""
     top, best = -1e9, 0
-    for f in range(hand.plane_start[body], hand.plane_start[body + 1]):
+    for e in range(active):
+        f = work.active[e]
         height = -hand.planes[f, 3]
         for a in range(3):
             height += hand.planes[f, a] * p[a]
@@ -58,13 +65,14 @@ def _spots_of_face(
     corners = clip_to_body(hand, body, work.local, tolerance, work)
     if corners == 0:
         return count
+    active = work.active_count[0]
     middle, p = work.local[0], work.local[1]
     for a in range(3):
         middle[a] = 0.0
         for v in range(corners):
             middle[a] += work.polygon[v, a] / corners
     for v in range(corners + 1):
-        if count >= len(spots):
+        if count >= len(spots) or active == 0:
             break
         length = 0.0
         for a in range(3):
@@ -73,7 +81,7 @@ def _spots_of_face(
         inwards = min(0.05, NUDGE / max(np.sqrt(length), 1e-9))
         for a in range(3):
             p[a] += inwards * (middle[a] - p[a])
-        gap, cosine = _gap_and_alignment(field, hand, body, face, pose, p)
+        gap, cosine = _gap_and_alignment(field, hand, face, pose, p, active, work)
         if cosine < least or gap > tolerance:
             continue
         for a in range(3):
@@ -129,7 +137,9 @@ def hand_contacts(
     total = 0
     for body in range(hand.body_link.shape[0]):
         pose = work.poses[hand.body_link[body]]
-        found = collect_faces(field, hand, body, pose, tolerance, work)
+        if near_part(field, hand, body, pose, tolerance, 2.0 * tolerance, work) > tolerance:
+            continue
+        found = collect_part(field, body, pose, tolerance, work)
         count = 0
         for e in range(found):
             face = work.faces[e]

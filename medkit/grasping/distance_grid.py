@@ -88,7 +88,7 @@ def object_field(triangles: Floats, *, spacing: float | None = None) -> ObjectFi
     >>> bool(field.inside.any()), len(field.triangles)
     (True, 12)
     """
-    corners = np.ascontiguousarray(triangles, dtype=float)
+    corners = np.array(triangles, dtype=float, order="C")  # writable, as kernels are compiled
     if corners.ndim != 3 or corners.shape[1:] != (3, 3) or not len(corners):
         raise InputError(
             f"Expected triangles of shape (f, 3, 3), but got shape {corners.shape}; pass"
