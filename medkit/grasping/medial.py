@@ -128,9 +128,10 @@ def medial_axis_from_surface(
     tree = sample_tree(sample, 1.0 if side == "interior" else -1.0)
     points, normals = tree[1], tree[2]
     slack = max(SLACK * sample.spacing, sample.facet_depth)
-    radii, stop = kernels.shrink_balls(*tree[1:], 0.5 * sample.diagonal, slack, slack)
+    shrink: Any = kernels.shrink_balls
+    radii, stop = shrink(*tree[1:], 0.5 * sample.diagonal, slack, slack)
     radii = kernels.refine_balls(points, normals, radii, stop, REACH * sample.spacing)
-    own = np.flatnonzero(stop >= 0)
+    own = np.flatnonzero((stop >= 0) & (radii > 0.0))
     centers = points[own] - radii[own, None] * normals[own]
     return with_object_angles(
         sample, tree, centers, radii[own], own, stop[own], touch_tolerance=touch_tolerance
@@ -168,7 +169,8 @@ def with_object_angles(
         else nonnegative(touch_tolerance, "touch_tolerance", " m")
     )
     tolerances = np.array([tolerance, max(SLACK * sample.spacing, sample.facet_depth)])
-    angles, touch_points = widest_touch(
+    widest: Any = widest_touch
+    angles, touch_points = widest(
         centers, radii, own, stop, *tree[1:], tolerances, REACH * sample.spacing, ENOUGH
     )
     return MedialAxis(centers, radii, angles, touch_points, sample.spacing, sample.diagonal)

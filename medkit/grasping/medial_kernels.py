@@ -241,7 +241,8 @@ def refine_balls(points, normals, radii, stop, reach):
 
     The two-point formula is off by the square of the distance between that sample and the true
     touch point; the tangent plane at the sample removes this error. It may only shrink a ball,
-    and only when the foot on the plane is within `reach` of the sample.
+    and only when the foot on the plane is within `reach` of the sample. Samples exactly on a sharp
+    edge get radius zero.
     """
     refined = np.full(len(points), np.inf)
     for i in range(len(points)):
@@ -255,6 +256,9 @@ def refine_balls(points, normals, radii, stop, reach):
             along += normals[j, k] * (points[j, k] - points[i, k])
             dot += normals[j, k] * normals[i, k]
         r = along / (1.0 - dot) if dot < 0.9 else np.inf
+        if dot < 0.9 and abs(along) <= 1e-9 * reach:
+            refined[i] = 0.0  # the sample lies on a sharp edge, where spheres have no size
+            continue
         if 0.0 < r < refined[i]:
             offset2 = 0.0
             for k in range(3):

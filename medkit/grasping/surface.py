@@ -86,26 +86,43 @@ def sample_surface(
     >>> 0.8 < len(sample) * 0.05**2 / 6.0 < 1.2
     True
     """
-    diagonal = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0))) if len(mesh.faces) else 0.0
-    areas = np.asarray(mesh.area_faces, dtype=float)
-    if not diagonal > 0.0 or not areas.sum() > 0.0:
-        raise InputError(
-            f"Expected a mesh with a surface, but got {len(mesh.faces)} faces of total area"
-            f" {areas.sum():g} m2; check the file and its scale."
-        )
+    corner, diagonal = _box(mesh)
     distance = DEFAULT_SPACING * diagonal if spacing is None else positive(spacing, "spacing", " m")
-    count = int(np.ceil(_CANDIDATES * areas.sum() / distance**2))
+    # at unit size no tolerance inside trimesh depends on the size or place of the object
+    sized = trimesh.Trimesh((mesh.vertices - corner) / diagonal, mesh.faces, process=False)
+    areas = np.asarray(sized.area_faces, dtype=float)
+    if not areas.sum() > 0.0:
+        raise InputError(
+            f"Expected a mesh with a surface, but its {len(mesh.faces)} faces have no area;"
+            " check the file and its scale."
+        )
+    count = _CANDIDATES * areas.sum() * (diagonal / distance) ** 2
     if count > _CANDIDATES * _MOST_SAMPLES:
         raise InputError(
             f"Expected a spacing that suits the object, but {distance:g} m asks for about"
-            f" {count // _CANDIDATES} samples on a diagonal of {diagonal:g} m; use a larger one."
+            f" {count / _CANDIDATES:.3g} samples on a diagonal of {diagonal:g} m; use a larger one."
         )
-    faces, weights = _candidates(areas, max(count, 4 * _CANDIDATES))
-    points = np.einsum("nk,nkd->nd", weights, mesh.vertices[mesh.faces[faces]])
-    normals = _smooth_normals(mesh, faces, weights, crease_angle)
-    keep = kernels.thin_samples(points, normals, _THINNING * distance, 0.5)
-    depth = min(facet_depth(mesh, crease_angle), 0.002 * diagonal)
-    return SurfaceSample(points[keep], normals[keep], faces[keep], distance, diagonal, depth)
+    faces, weights = _candidates(areas, max(int(np.ceil(count)), 4 * _CANDIDATES))
+    points = np.einsum("nk,nkd->nd", weights, sized.vertices[sized.faces[faces]])
+    normals = _smooth_normals(sized, faces, weights, crease_angle)
+    keep = kernels.thin_samples(points, normals, _THINNING * distance / diagonal, 0.5)
+    depth = min(facet_depth(sized, crease_angle), 0.002) * diagonal
+    points = corner + diagonal * points[keep]
+    return SurfaceSample(points, normals[keep], faces[keep], distance, diagonal, depth)
+
+
+def _box(mesh: trimesh.Trimesh) -> tuple[Floats, float]:
+    """Lowest corner (3,) and diagonal of the bounding box [m], or a refusal."""
+    vertices = np.asarray(mesh.vertices, dtype=float)
+    diagonal = 0.0
+    if len(mesh.faces) and np.all(np.isfinite(vertices)):
+        diagonal = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    if not (np.isfinite(diagonal) and diagonal > 0.0):
+        raise InputError(
+            f"Expected a mesh with a surface of finite size, but got {len(mesh.faces)} faces in a"
+            f" box of diagonal {diagonal:g} m; check the file and its scale."
+        )
+    return vertices.min(axis=0), diagonal
 
 
 def _candidates(areas: Floats, count: int) -> tuple[NDArray[np.int64], Floats]:

@@ -30,7 +30,9 @@ def widest_touch(
     goal = np.cos(enough)
     touches = np.empty((_TOUCHES, 3))
     for i in range(n):
-        _, u, v, w = _foot(centers, i, points, normals, stop[i], reach)
+        # where the sample that stopped the ball stands a little aside, its normal still counts
+        wide = max(reach, 0.3 * radii[i])
+        _, u, v, w = _foot(centers, i, points, normals, stop[i], wide)
         touches[1, 0], touches[1, 1], touches[1, 2] = u, v, w
         for k in range(3):
             touches[0, k] = normals[own[i], k]

@@ -1,0 +1,115 @@
+"""Voronoi poles against shrinking balls, and the laws of the filters."""
+
+import numpy as np
+import pytest
+import trimesh
+from scipy.spatial import cKDTree
+
+from medkit.errors import InputError
+from medkit.grasping import (
+    filter_lambda,
+    filter_object_angle,
+    filter_radius_ratio,
+    filter_scale_axis,
+    medial_axis,
+    medial_axis_by_poles,
+    sample_surface,
+)
+from medkit.grasping.filters import touch_circumradii, uncovered
+from medkit.grasping.medial import sample_tree
+from medkit.grasping.medial_kernels import shrink_balls
+from medkit.grasping.poles import poles_from_surface
+
+create = trimesh.creation
+BOX = create.box((0.2, 0.1, 0.05))
+
+
+def test_poles_and_shrinking_balls_agree():
+    for mesh in (BOX, create.torus(0.08, 0.02, 96, 48), create.capsule(0.2, 0.03, count=[48, 48])):
+        balls, poles = filter_object_angle(medial_axis(mesh)), medial_axis_by_poles(mesh)
+        distance, nearest = cKDTree(poles.centers).query(balls.centers)
+        # poles are as far apart on the sheet as the samples are on the surface
+        assert np.quantile(distance, 0.95) < balls.spacing
+        assert np.median(np.abs(balls.radii - poles.radii[nearest])) < 0.005 * balls.diagonal
+
+
+def test_no_sample_is_inside_a_polar_ball():
+    sample = sample_surface(BOX)
+    axis = poles_from_surface(sample)
+    nearest = cKDTree(sample.points).query(axis.centers)[0]
+    assert nearest == pytest.approx(axis.radii, rel=1e-6)
+
+
+def test_the_tree_finds_what_brute_force_finds():
+    """Plain twin of the compiled search: every pair of samples, no tree, no trust."""
+    for mesh in (BOX, create.icosphere(3, 0.05), create.torus(0.08, 0.03)):
+        sample = sample_surface(mesh, spacing=0.008)
+        tree = sample_tree(sample)
+        points, normals = tree[1], tree[2]
+        slack = 0.1 * sample.spacing
+        radii, stop = shrink_balls(*tree[1:], 0.5 * sample.diagonal, slack, 0.0)
+        away = points[:, None] - points[None]
+        d2 = np.sum(away**2, axis=2)
+        h = np.einsum("ijk,ik->ij", away, normals)
+        allowed = np.where(normals @ normals.T > 0.0, slack, 0.0)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            bound = np.where(h > allowed, (d2 - allowed**2) / (2.0 * (h - allowed)), np.inf)
+        plain = np.minimum(bound.min(axis=1), 0.5 * sample.diagonal)
+        found = stop >= 0
+        # what the tree may overlook reaches less than one slack into the ball
+        assert np.all(radii[found] >= plain[found] * (1.0 - 1e-12))
+        assert np.abs(radii - plain)[found].max() <= slack
+        assert np.mean(np.isclose(radii, plain, rtol=1e-9)) > 0.5
+
+
+def test_the_angle_filter_is_monotone_and_removes_edges():
+    axis = medial_axis(BOX)
+    sizes = [len(filter_object_angle(axis, np.radians(a))) for a in (0, 60, 100, 120, 170)]
+    assert sizes == sorted(sizes, reverse=True)
+    assert sizes[0] == len(axis)
+    assert np.abs(filter_object_angle(axis).centers[:, 2]).max() < 0.01 * axis.diagonal
+
+
+def test_the_radius_filter_keeps_the_largest():
+    axis = medial_axis(BOX)
+    for ratio in (0.0, 0.3, 0.5, 0.7, 1.0):
+        kept = filter_radius_ratio(axis, ratio)
+        assert kept.radii.max() == axis.radii.max()
+        assert kept.radii.min() >= ratio * axis.radii.max()
+
+
+def test_lambda_is_half_the_distance_of_the_touch_points():
+    axis = medial_axis(BOX)
+    apart = np.linalg.norm(axis.touch_points[:, 0] - axis.touch_points[:, 1], axis=1)
+    assert touch_circumradii(axis) == pytest.approx(0.5 * apart, abs=1e-9)
+    assert touch_circumradii(filter_lambda(axis, 0.01)).min() >= 0.01
+
+
+def test_uncovered_equals_its_plain_twin():
+    rng = np.random.default_rng(3)
+    centers, radii = rng.uniform(size=(200, 3)), rng.uniform(0.01, 0.4, size=200)
+    apart = np.linalg.norm(centers[:, None] - centers[None], axis=2)
+    inside = (apart + radii[None, :] <= radii[:, None]) & ~np.eye(200, dtype=bool)
+    assert uncovered(centers, radii).tolist() == np.flatnonzero(~inside.any(axis=0)).tolist()
+
+
+def test_the_scale_axis_thins_out_and_keeps_the_volume_of_a_noisy_box():
+    rng = np.random.default_rng(0)
+    noisy = BOX.subdivide().subdivide().subdivide().subdivide()
+    noisy = trimesh.Trimesh(noisy.vertices + rng.normal(0, 4e-4, noisy.vertices.shape), noisy.faces)
+    axis = medial_axis(noisy)
+    small = [len(filter_scale_axis(axis, s)) for s in (1.0, 1.1, 1.3)]
+    assert small[0] > small[1] > small[2] > 0
+    assert filter_scale_axis(axis, 1.3).radii.max() == axis.radii.max()
+
+
+def test_bad_thresholds_are_refused():
+    axis = medial_axis(BOX)
+    with pytest.raises(InputError, match="scale of at least 1"):
+        filter_scale_axis(axis, 0.9)
+    with pytest.raises(InputError, match="min_angle"):
+        filter_object_angle(axis, -1.0)
+    with pytest.raises(InputError, match="min_lambda"):
+        filter_lambda(axis, np.nan)
+    with pytest.raises(InputError, match="ratio"):
+        filter_radius_ratio(axis, "half")
