@@ -55,7 +55,7 @@ def subject_coefficients(cells: RatingCells, design: Array, multiplicity: Array)
     Returns
     -------
     (m, s, p) ndarray
-        NaN for a subject without a rating.
+        NaN for a subject without a rating, and for a column that does not vary for a subject.
     """
     first, counts = subject_tables(cells, multiplicity)
     draws, subjects = counts.shape[:2]
@@ -65,7 +65,24 @@ def subject_coefficients(cells: RatingCells, design: Array, multiplicity: Array)
     pooled = fit_cumulative_logit(design[first], flat[present].sum(axis=0))
     start = np.r_[pooled.thresholds[0], pooled.coefficients[0]]
     result[present] = fit_cumulative_logit(design[first], flat[present], start=start).coefficients
-    return result.reshape(draws, subjects, -1)
+    stacked: Array = result.reshape(draws, subjects, -1)
+    stacked[:, ~subject_variation(design[first], counts)] = np.nan
+    return stacked
+
+
+def subject_variation(design: Array, counts: Array) -> Array:
+    """Return which columns vary among the conditions a subject met, (s, p).
+
+    Parameters
+    ----------
+    design : (d, p) ndarray
+        One row per condition.
+    counts : (m, s, d, 3) ndarray
+        From :func:`subject_tables`.
+    """
+    met = counts.sum(axis=(0, 3)) > 0
+    return np.array([np.ptp(design[own], axis=0) > 0 if own.any() else False * design[0] > 0
+                     for own in met])  # fmt: skip
 
 
 def force_effect(cells: RatingCells, multiplicity: Array) -> Array:
@@ -207,6 +224,8 @@ def good_force_slope(cells: RatingCells, multiplicity: Array) -> Array:
     )
     slope = slope.reshape(len(multiplicity), subjects, blocks, len(forces))
     total = np.where(np.isfinite(slope).any(axis=-1), np.nansum(slope * widths, axis=-1), np.nan)
+    met = [len(np.unique(cells.weight[cells.subject == who])) > 1 for who in range(subjects)]
+    total[:, ~np.array(met)] = np.nan
     return _mean_over(total)
 
 

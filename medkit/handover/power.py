@@ -12,7 +12,7 @@ from medkit.errors import InputError
 from medkit.handover.cells import RatingCells, design_columns, rating_cells
 from medkit.handover.estimands import subject_tables
 from medkit.handover.ordinal import fit_cumulative_logit, rating_probabilities
-from medkit.handover.release import root_force_lines
+from medkit.handover.release import rise_over_weight, root_force_lines
 from medkit.handover.resampling import subject_interval
 
 Array = np.ndarray
@@ -75,12 +75,7 @@ def simulate_population(
 def slope_estimates(trials: pd.DataFrame, level: float = 0.75) -> Array:
     """Return the slope of F* [N/kg], averaged over poses and modes, of every subject, (s,)."""
     lines = root_force_lines(trials, level)
-    rises = []
-    for line in lines:
-        ends = line.weights[[0, -1]]
-        force = line.root_force(ends)[0] ** 2
-        rises.append((force[:, 1] - force[:, 0]) / (ends[1] - ends[0]))
-    return np.asarray(np.mean(rises, axis=0))
+    return np.asarray(np.mean([rise_over_weight(line)[0][0] for line in lines], axis=0))
 
 
 def slope_power(

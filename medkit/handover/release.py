@@ -17,7 +17,7 @@ import pandas as pd
 
 from medkit.errors import InputError
 from medkit.handover.cells import RatingCells, design_columns, rating_cells, stratum_codes
-from medkit.handover.estimands import subject_tables
+from medkit.handover.estimands import subject_tables, subject_variation
 from medkit.handover.ordinal import eta_at_score, fit_cumulative_logit
 from medkit.handover.resampling import bootstrap_weights, subject_interval
 
@@ -174,8 +174,8 @@ def iso_slope(
     """
     lines = root_force_lines(trials, level)
     drawn = lines if scope == "people" else _drawn(trials, level, draws, rng)
-    single = [_rise(line) for line in lines]
-    repeated = [_rise(line) for line in drawn]
+    single = [rise_over_weight(line) for line in lines]
+    repeated = [rise_over_weight(line) for line in drawn]
     single.append(tuple(np.mean([rise[k] for rise in single], axis=0) for k in (0, 1)))
     repeated.append(tuple(np.mean([rise[k] for rise in repeated], axis=0) for k in (0, 1)))
     names = [(line.pose, line.mode) for line in lines] + [("all", "all")]
@@ -298,14 +298,18 @@ def _lines(part: RatingCells, multiplicity: Array, level: float) -> RootForceLin
     draws, subjects = counts.shape[:2]
     flat = counts.reshape(draws * subjects, len(first), 3)
     present = flat.sum(axis=(1, 2)) > 0
-    fit = fit_cumulative_logit(design_columns(part, names)[first], flat[present])
+    design = design_columns(part, names)[first]
+    fit = fit_cumulative_logit(design, flat[present])
     line = np.full((2, len(flat)), np.nan)
     steep = fit.coefficients[:, 0]
     with np.errstate(divide="ignore", invalid="ignore"):
         line[0, present] = np.where(steep < 0, eta_at_score(level, fit.thresholds) / steep, np.nan)
         grow = fit.coefficients[:, 1] if len(names) > 1 else 0.0
         line[1, present] = np.where(steep < 0, -grow / steep, np.nan)
-    intercept, slope = line.reshape(2, draws, subjects)
+    stacked: Array = line.reshape(2, draws, subjects)
+    # who met one force or one weight alone has no line
+    stacked[:, :, ~subject_variation(design, counts).all(axis=1)] = np.nan
+    intercept, slope = stacked
     return RootForceLines(pose, mode, intercept, slope, weights)
 
 
@@ -318,8 +322,19 @@ def _drawn(
     return root_force_lines(trials, level, multiplicity=bootstrap_weights(strata, draws, rng))
 
 
-def _rise(line: RootForceLines) -> tuple[Array, Array]:
-    """Return slope [N/kg] and exponent of F* from the lightest to the heaviest, (m, s)."""
+def rise_over_weight(line: RootForceLines) -> tuple[Array, Array]:
+    """Return slope [N/kg] and exponent of F* from the lightest to the heaviest object.
+
+    Parameters
+    ----------
+    line : RootForceLines
+        One pose and mode.
+
+    Returns
+    -------
+    slope, exponent : (m, s) ndarray
+        NaN where the pose was met with one weight only.
+    """
     if len(line.weights) < 2:
         nothing = np.full(line.slope.shape, np.nan)
         return nothing, nothing

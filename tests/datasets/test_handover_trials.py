@@ -107,6 +107,13 @@ def test_a_file_that_is_no_table_gives_one_sentence(tmp_path, content):
     assert "\n" not in str(caught.value)
 
 
+def test_a_byte_order_mark_and_spaces_do_no_harm(tmp_path):
+    path = tmp_path / "bom.csv"
+    text = ", ".join(GOOD_ROW) + "\n" + ", ".join(GOOD_ROW.values()) + "\n"
+    path.write_text(text, encoding="utf-8-sig")
+    assert load_handover_table(path).loc[0, "force_N"] == 2.0
+
+
 def test_an_absent_file_gives_one_sentence(tmp_path):
     with pytest.raises(InputError, match="absent"):
         load_handover_table(tmp_path / "absent.csv")

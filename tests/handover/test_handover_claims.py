@@ -102,6 +102,15 @@ def test_other_names_weights_and_subjects_are_served(trials):
     assert other["estimate"][[2, 3, 4, 5, 7]].isna().all()
 
 
+def test_a_subject_who_met_one_side_only_does_not_count_for_the_comparison(trials, table):
+    lacking = (trials["subject"] == "T1") & (trials["pose"] == "P2")
+    other = claims(trials[~lacking], **FEW)
+    assert other["agree"][3] == "3 of 3"
+    assert other["agree"][4] == table["agree"][4]
+    single = (trials["subject"] == "T1") & (trials["weight_g"] != 300)
+    assert claims(trials[~single], **FEW)["agree"][[2, 7]].tolist() == ["3 of 3", "3 of 3"]
+
+
 def test_one_subject_is_refused(trials):
     with pytest.raises(InputError, match="at least two subjects"):
         claims(trials[trials["subject"] == "T1"])

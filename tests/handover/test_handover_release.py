@@ -109,6 +109,14 @@ def test_the_root_of_the_force_fits_best():
     assert link_comparison(load_trials())["difference"].idxmin() == "root of force"
 
 
+def test_who_met_one_weight_has_no_curve_and_the_others_keep_theirs():
+    trials = load_trials()
+    lacking = (trials["subject"] == "T1") & (trials["weight_g"] != 300)
+    fewer, three = iso_score(trials[~lacking]), iso_score(trials[trials["subject"] != "T1"])
+    assert (fewer["subjects"] == 3).all()
+    np.testing.assert_allclose(fewer["force"], three["force"], rtol=1e-6)
+
+
 def test_bad_levels_allowances_and_single_forces_are_refused():
     trials = load_trials()
     with pytest.raises(InputError, match="between 0 and 1"):
