@@ -77,6 +77,22 @@ class MedialAxis:
             graph.add_edge(int(first), int(last), key=index)
         return graph
 
+    @cached_property
+    def lengths(self) -> Floats:
+        """Length of the axis that each disk stands for, shape (n,) [m]; zero at nodes.
+
+        Half the way to both neighbours along the branch, and all the way to a node. Needs the
+        unfiltered axis.
+        """
+        result = np.zeros(len(self))
+        for index in range(len(self.branch_nodes)):
+            steps = np.linalg.norm(np.diff(self.branch_curve(index), axis=0), axis=1)
+            share = np.concatenate([steps[:1], 0.5 * steps[1:-1]])
+            share = share + np.concatenate([0.5 * steps[1:-1], steps[-1:]])
+            inner = np.flatnonzero(self.branch == index)
+            result[inner] = share[: len(inner)]
+        return result
+
     def branch_curve(self, index: int) -> Floats:
         """Centres along one branch, in order from its first to its last node, shape (k, 2) [m]."""
         first, last = self.branch_nodes[index]

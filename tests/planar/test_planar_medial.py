@@ -151,6 +151,16 @@ def test_branch_curves_run_from_node_to_node():
         assert steps.max() < 0.05 * axis.outline.characteristic_length
 
 
+def test_lengths_add_up_to_the_axis():
+    bar = planar.medial_axis(planar.rectangle(0.08, 0.04))
+    flat = np.isclose(bar.object_angles, np.pi)
+    assert bar.lengths[flat].sum() == pytest.approx(0.04)
+    assert bar.lengths.sum() == pytest.approx(0.04 + 4 * 0.02 * np.sqrt(2))
+    a, b = 0.04, 0.025
+    oval = planar.medial_axis(planar.ellipse(2 * a, 2 * b))
+    assert oval.lengths.sum() == pytest.approx(2 * (a * a - b * b) / a)
+
+
 @pytest.mark.parametrize("outline", [planar.rectangle(), planar.ellipse()], ids=named)
 def test_filters_shrink_as_they_get_stricter(outline):
     axis = planar.medial_axis(outline)
