@@ -1,0 +1,1 @@
+"""Benchmarks: speed as ratios against rivals in the same run."""
