@@ -132,11 +132,13 @@ class ObjectBench:
     def candidates(self, setting: Setting) -> CandidateGrasps:
         """All candidates of a setting."""
         if setting.planner == "medial":
+            # Pads hold what a closing fist cannot: the least radius is for power grasps only.
+            least = self.hand.min_sphere_radius if setting.grasp == "power" else 0.0
             return candidates_from_axis(
                 self.axis,
                 search_radius=setting.search_radius,
                 min_radius_ratio=setting.min_radius_ratio,
-                hand_radii=self.hand.sphere_radii,
+                hand_radii=(least, self.hand.max_sphere_radius),
             )
         if setting.planner == "normals":
             return surface_normal_candidates(self.mesh)

@@ -113,7 +113,8 @@ class PrecisionCloser:
         self.path = grip_path(hand, self.grip, self.arrays)
         self.work = workspace(field, self.arrays)
         self._turned = replace(hand, palm_direction=self.grip.approach)
-        self._pads = _pads_only(self.arrays, hand)
+        tips = [finger.tip_link for finger in opposing_fingers(hand)]
+        self._has_pad = np.isin(self.arrays.body_link, tips)
         self._slack = np.zeros(len(hand.bodies))
         self._spots = np.zeros((SPOTS, COLUMNS))
         self._rows = np.zeros((CONTACTS_PER_BODY * len(hand.bodies), COLUMNS))
@@ -183,15 +184,20 @@ class PrecisionCloser:
 
     def _contacts(self) -> Contacts:
         """Contacts of the links with pads, as they stand in the workspace."""
-        arrays, bodies = self._pads
         count = hand_contacts(
-            self.field, arrays, CONTACT_TOLERANCE, CONTACT_SEPARATION, MIN_OPPOSITION,
-            CONTACTS_PER_BODY, self._spots, self._rows, self.work,
-        )  # fmt: skip
-        rows = self._rows[:count]
-        return Contacts(
-            rows[:, :3].copy(), rows[:, 3:6].copy(), bodies[rows[:, 6].astype(np.int64)]
+            self.field,
+            self.arrays,
+            CONTACT_TOLERANCE,
+            CONTACT_SEPARATION,
+            MIN_OPPOSITION,
+            CONTACTS_PER_BODY,
+            self._spots,
+            self._rows,
+            self.work,
         )
+        rows = self._rows[:count]
+        rows = rows[self._has_pad[rows[:, 6].astype(np.int64)]]
+        return Contacts(rows[:, :3].copy(), rows[:, 3:6].copy(), rows[:, 6].astype(np.int64))
 
 
 class PrecisionTester:
@@ -244,17 +250,3 @@ class PrecisionTester:
 def precision_tester(hand: Hand, triangles: Floats, quality: Quality) -> PrecisionTester:
     """Prepare the published precision grasps of one hand on one object for the planners."""
     return PrecisionTester(PrecisionCloser(hand, object_field(triangles)), quality)
-
-
-def _pads_only(arrays: ClosingHand, hand: Hand) -> tuple[ClosingHand, NDArray[np.int64]]:
-    """The hand reduced to the bodies that carry pads, for reading contacts; their rows before."""
-    tips = [finger.tip_link for finger in opposing_fingers(hand)]
-    bodies = np.flatnonzero(np.isin(arrays.body_link, tips))
-    planes = [arrays.planes[arrays.plane_start[b] : arrays.plane_start[b + 1]] for b in bodies]
-    start = np.concatenate([[0], np.cumsum([len(rows) for rows in planes])]).astype(np.int64)
-    reduced = arrays._replace(
-        body_link=arrays.body_link[bodies], plane_start=start, planes=np.vstack(planes),
-        box_low=arrays.box_low[bodies], box_high=arrays.box_high[bodies],
-        ball_center=arrays.ball_center[bodies], ball_radius=arrays.ball_radius[bodies],
-    )  # fmt: skip
-    return reduced, bodies
