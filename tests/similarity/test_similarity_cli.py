@@ -1,0 +1,116 @@
+"""`medkit similarity` from grasp file to table, and what it refuses."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+import trimesh
+
+from medkit.cli import main
+from medkit.datasets import human_grasps_folder
+from medkit.robots import load_hand
+
+HUMANS = str(human_grasps_folder())
+EXTENTS = [0.09, 0.09, 0.14]
+
+
+def document(folder, outcome="force_closure", count=6):
+    mesh = trimesh.creation.cylinder(0.045, 0.14, sections=64)
+    mesh.export(folder / "can.stl")
+    hand = load_hand("armar3")
+    grasps = []
+    for k in range(count):
+        pose = np.eye(4)
+        pose[:3, 3] = [0.12, 0.01 * k, 0.005 * k]
+        grasps.append(
+            {
+                "outcome": outcome, "pose": pose.tolist(),
+                "joints": dict.fromkeys(hand.joint_names, 0.0), "approach": [-1.0, 0.0, 0.0],
+                "closing_axis": [0.0, 0.0, 1.0], "grasp_point": [0.0, 0.0, 0.0],
+                "sphere_radius": 0.04, "contacts": [], "epsilon": 0.1, "pregrasp": pose.tolist(),
+            }
+        )  # fmt: skip
+    return {
+        "schema": "medkit.grasps/1",
+        "object": {"path": str(folder / "can.stl"), "sha256": "", "scale": 1.0,
+                   "extents": EXTENTS, "center_mass": [0.0, 0.0, 0.0], "repairs": []},
+        "hand": "armar3", "planner": "medial", "grasp": "power", "parameters": {}, "seed": 0,
+        "counts": {"spheres": 1, "candidates": count},
+        "timing_s": {"medial": 0.0, "symmetry": 0.0, "closing": 0.0, "quality": 0.0, "total": 0.0},
+        "grasps": grasps,
+    }  # fmt: skip
+
+
+@pytest.fixture
+def grasp_file(tmp_path):
+    path = tmp_path / "grasps.json"
+    path.write_text(json.dumps(document(tmp_path)))
+    return path
+
+
+def test_ranking_is_printed_and_written(grasp_file, tmp_path, capsys):
+    out = tmp_path / "ranking.csv"
+    assert main(["similarity", str(grasp_file), HUMANS, "--out", str(out), "--top", "3"]) == 0
+    said = capsys.readouterr().out
+    assert "SIMULATED recordings of the cylinder; symmetry Dinf" in said
+    assert "3 more" in said
+    table = pd.read_csv(out)
+    assert sorted(table["grasp"]) == list(range(6))
+    assert table["d_symmetric"].is_monotonic_increasing
+
+
+def test_choices_are_obeyed(grasp_file, tmp_path, capsys):
+    out = tmp_path / "ranking.json"
+    options = ["--by", "d_z", "--subject", "S2", "--upright", "--out", str(out)]
+    assert main(["similarity", str(grasp_file), HUMANS, *options]) == 0
+    assert "symmetry Cinf" in capsys.readouterr().out
+    rows = json.loads(out.read_text())
+    assert {row["subject"] for row in rows} == {"S2"}
+    assert [row["d_z"] for row in rows] == sorted(row["d_z"] for row in rows)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--out", "table.txt"], ".csv or .json"),
+        (["--top", "0"], "one or more"),
+        (["--object", "teapot"], "teapot"),
+        (["--subject", "nobody"], "nobody"),
+        (["--mesh", "none.stl"], "none.stl"),
+    ],
+)
+def test_wrong_arguments_end_with_one_line(grasp_file, options, words, capsys):
+    assert main(["similarity", str(grasp_file), HUMANS, *options]) == 2
+    said = capsys.readouterr().err.strip().splitlines()
+    assert words in said[-1]
+    assert len(said) == 1
+
+
+def test_without_mesh_the_object_has_to_be_named(grasp_file, tmp_path, capsys):
+    (tmp_path / "can.stl").unlink()
+    assert main(["similarity", str(grasp_file), HUMANS]) == 2
+    assert "--object" in capsys.readouterr().err
+    assert main(["similarity", str(grasp_file), HUMANS, "--object", "cylinder"]) == 0
+    assert "no mesh" in capsys.readouterr().out
+
+
+def test_only_force_closure_grasps_count_unless_all_are_wanted(tmp_path, capsys):
+    path = tmp_path / "grasps.json"
+    path.write_text(json.dumps(document(tmp_path, outcome="not_force_closure", count=5)))
+    assert main(["similarity", str(path), HUMANS]) == 2
+    assert "--all" in capsys.readouterr().err
+    assert main(["similarity", str(path), HUMANS, "--all"]) == 0
+
+
+def test_recordings_with_errors_are_refused(grasp_file, tmp_path, capsys):
+    folder = tmp_path / "people"
+    folder.mkdir()
+    table = pd.read_csv(f"{HUMANS}/simulated_cylinder.csv.gz").query("trial == 1")
+    table[["x", "y", "z"]] *= 1000.0
+    table.to_csv(folder / "mm.csv", index=False)
+    (folder / "objects.csv").write_text((human_grasps_folder() / "objects.csv").read_text())
+    assert main(["similarity", str(grasp_file), str(folder)]) == 2
+    said = capsys.readouterr().err
+    assert "millimetres" in said
+    assert "5 errors" in said
