@@ -225,6 +225,8 @@ def plot_wrench_space(
     reach = 1.05 * np.abs(wrenches).max()
     axes.set(xlabel="fx [N]", ylabel="fy [N]", zlabel="torque / length [N]",
              xlim=(-reach, reach), ylim=(-reach, reach), zlim=(-reach, reach))  # fmt: skip
+    ticks = np.round(np.linspace(-1.0, 1.0, 3) * reach / 1.05, 2)
+    axes.set(xticks=ticks, yticks=ticks, zticks=ticks)
     axes.set_title(f"epsilon {radius:.3f} N" if radius > 0 else "the origin is not inside")
     return axes
 
