@@ -8,10 +8,9 @@ import pytest
 import trimesh
 
 from medkit.cli import main
-from medkit.datasets import human_grasps_folder
+from medkit.datasets import human_grasps_folder, load_human_grasps
 from medkit.robots import load_hand
 
-HUMANS = str(human_grasps_folder())
 EXTENTS = [0.09, 0.09, 0.14]
 
 
@@ -42,6 +41,16 @@ def document(folder, outcome="force_closure", count=6):
     }  # fmt: skip
 
 
+@pytest.fixture(scope="module")
+def humans(tmp_path_factory):
+    """Two trials of every subject and object are enough here."""
+    folder = tmp_path_factory.mktemp("people")
+    table = load_human_grasps()
+    table[table["trial"] <= 2].assign(simulated=1).to_csv(folder / "few.csv", index=False)
+    (folder / "objects.csv").write_text((human_grasps_folder() / "objects.csv").read_text())
+    return str(folder)
+
+
 @pytest.fixture
 def grasp_file(tmp_path):
     path = tmp_path / "grasps.json"
@@ -49,9 +58,9 @@ def grasp_file(tmp_path):
     return path
 
 
-def test_ranking_is_printed_and_written(grasp_file, tmp_path, capsys):
+def test_ranking_is_printed_and_written(humans, grasp_file, tmp_path, capsys):
     out = tmp_path / "ranking.csv"
-    assert main(["similarity", str(grasp_file), HUMANS, "--out", str(out), "--top", "3"]) == 0
+    assert main(["similarity", str(grasp_file), humans, "--out", str(out), "--top", "3"]) == 0
     said = capsys.readouterr().out
     assert "SIMULATED recordings of the cylinder; symmetry Dinf" in said
     assert "3 more" in said
@@ -60,10 +69,10 @@ def test_ranking_is_printed_and_written(grasp_file, tmp_path, capsys):
     assert table["d_symmetric"].is_monotonic_increasing
 
 
-def test_choices_are_obeyed(grasp_file, tmp_path, capsys):
+def test_choices_are_obeyed(humans, grasp_file, tmp_path, capsys):
     out = tmp_path / "ranking.json"
     options = ["--by", "d_z", "--subject", "S2", "--upright", "--out", str(out)]
-    assert main(["similarity", str(grasp_file), HUMANS, *options]) == 0
+    assert main(["similarity", str(grasp_file), humans, *options]) == 0
     assert "symmetry Cinf" in capsys.readouterr().out
     rows = json.loads(out.read_text())
     assert {row["subject"] for row in rows} == {"S2"}
@@ -80,33 +89,33 @@ def test_choices_are_obeyed(grasp_file, tmp_path, capsys):
         (["--mesh", "none.stl"], "none.stl"),
     ],
 )
-def test_wrong_arguments_end_with_one_line(grasp_file, options, words, capsys):
-    assert main(["similarity", str(grasp_file), HUMANS, *options]) == 2
+def test_wrong_arguments_end_with_one_line(humans, grasp_file, options, words, capsys):
+    assert main(["similarity", str(grasp_file), humans, *options]) == 2
     said = capsys.readouterr().err.strip().splitlines()
     assert words in said[-1]
     assert len(said) == 1
 
 
-def test_without_mesh_the_object_has_to_be_named(grasp_file, tmp_path, capsys):
+def test_without_mesh_the_object_has_to_be_named(humans, grasp_file, tmp_path, capsys):
     (tmp_path / "can.stl").unlink()
-    assert main(["similarity", str(grasp_file), HUMANS]) == 2
+    assert main(["similarity", str(grasp_file), humans]) == 2
     assert "--object" in capsys.readouterr().err
-    assert main(["similarity", str(grasp_file), HUMANS, "--object", "cylinder"]) == 0
+    assert main(["similarity", str(grasp_file), humans, "--object", "cylinder"]) == 0
     assert "no mesh" in capsys.readouterr().out
 
 
-def test_only_force_closure_grasps_count_unless_all_are_wanted(tmp_path, capsys):
+def test_only_force_closure_grasps_count_unless_all_are_wanted(humans, tmp_path, capsys):
     path = tmp_path / "grasps.json"
     path.write_text(json.dumps(document(tmp_path, outcome="not_force_closure", count=5)))
-    assert main(["similarity", str(path), HUMANS]) == 2
+    assert main(["similarity", str(path), humans]) == 2
     assert "--all" in capsys.readouterr().err
-    assert main(["similarity", str(path), HUMANS, "--all"]) == 0
+    assert main(["similarity", str(path), humans, "--all"]) == 0
 
 
-def test_recordings_with_errors_are_refused(grasp_file, tmp_path, capsys):
+def test_recordings_with_errors_are_refused(humans, grasp_file, tmp_path, capsys):
     folder = tmp_path / "people"
     folder.mkdir()
-    table = pd.read_csv(f"{HUMANS}/simulated_cylinder.csv.gz").query("trial == 1")
+    table = pd.read_csv(f"{humans}/few.csv").query("trial == 1 and object == 'cylinder'")
     table[["x", "y", "z"]] *= 1000.0
     table.to_csv(folder / "mm.csv", index=False)
     (folder / "objects.csv").write_text((human_grasps_folder() / "objects.csv").read_text())
