@@ -99,6 +99,12 @@ def lattice_clearance(field: Any, x: float, y: float, z: float) -> float:
     return low * (1 - a) + high * a - SLACK * h
 
 
+@njit(cache=True)
+def point_clearance(field: Any, x: float, y: float, z: float) -> float:
+    """`lattice_clearance` for callers outside compiled code."""
+    return lattice_clearance(field, x, y, z)
+
+
 @leaf
 def moved(pose: np.ndarray, points: np.ndarray, row: int) -> tuple[float, float, float]:
     """One of many points (n, 3), moved by a pose."""

@@ -1,0 +1,112 @@
+"""Candidates: geometry of the directions, and fates that add up."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+
+from medkit.errors import InputError
+from medkit.geometry import apply, random_rotation, transform
+from medkit.grasping import SphereFate, candidates_from_axis, medial_axis
+from medkit.grasping.special_solids import ball_directions, opposing_chords
+
+
+def found_for(mesh, **options):
+    return candidates_from_axis(medial_axis(mesh), search_radius=0.03, **options)
+
+
+@pytest.fixture(scope="module")
+def sheet():
+    return found_for(trimesh.creation.box([0.02, 0.12, 0.16]))
+
+
+def test_directions_are_unit_and_at_right_angles(sheet):
+    for vectors in (sheet.approach, sheet.closing_axis):
+        np.testing.assert_allclose(np.linalg.norm(vectors, axis=1), 1.0, atol=1e-9)
+    across = np.einsum("ij,ij->i", sheet.approach, sheet.closing_axis)
+    np.testing.assert_allclose(across, 0.0, atol=1e-9)
+
+
+def test_fates_add_up_to_all_spheres(sheet):
+    assert sum(sheet.fate_counts().values()) == len(sheet.fate)
+
+
+def test_rim_is_approached_from_outside(sheet):
+    rim = sheet.kind == SphereFate.RIM
+    assert rim.any()
+    # towards the middle of the sheet: from the side away from the centroid
+    inwards = -np.einsum("ij,ij->i", sheet.approach[rim], sheet.grasp_point[rim])
+    assert (inwards > 0.0).mean() > 0.95
+
+
+def test_axis_is_approached_from_all_around_with_both_closing_axes():
+    found = found_for(trimesh.creation.capsule(0.2, 0.02))
+    sphere = found.sphere[found.kind == SphereFate.AXIS][0]
+    rows = found.sphere == sphere
+    assert rows.sum() == 8
+    np.testing.assert_allclose(found.approach[rows].sum(axis=0), 0.0, atol=1e-9)
+    np.testing.assert_allclose(found.closing_axis[rows].sum(axis=0), 0.0, atol=1e-9)
+
+
+def test_hand_size_limits_candidates_not_the_analysis():
+    mesh = trimesh.creation.capsule(0.2, 0.02)
+    free, limited = found_for(mesh), found_for(mesh, hand_radii=(0.0, 0.01))
+    assert len(limited) == 0
+    counts = limited.fate_counts()
+    assert counts["too_large_for_hand"] == free.fate_counts()["axis"]
+
+
+def test_candidates_turn_with_the_object():
+    mesh = trimesh.creation.box([0.03, 0.05, 0.15])
+    pose = transform(random_rotation(np.random.default_rng(3)), [0.3, -0.2, 0.1])
+    moved = mesh.copy()
+    moved.apply_transform(pose)
+    axis = medial_axis(mesh)
+    # the same spheres, moved: sampling itself is not what is tested here
+    turned = axis.__class__(
+        **{
+            **{name: getattr(axis, name) for name in axis.__dataclass_fields__},
+            "centers": apply(pose, axis.centers),
+            "touch_points": apply(pose, axis.touch_points.reshape(-1, 3)).reshape(-1, 2, 3),
+        }
+    )
+    first = candidates_from_axis(axis, search_radius=0.03)
+    second = candidates_from_axis(turned, search_radius=0.03)
+    np.testing.assert_array_equal(first.fate, second.fate)
+    np.testing.assert_allclose(first.approach @ pose[:3, :3].T, second.approach, atol=1e-6)
+
+
+@pytest.mark.parametrize("shape", ["ball", "cube", "cylinder"])
+def test_special_solids_get_candidates(shape):
+    mesh = {
+        "ball": trimesh.creation.icosphere(subdivisions=4, radius=0.03),
+        "cube": trimesh.creation.box([0.05, 0.05, 0.05]),
+        "cylinder": trimesh.creation.cylinder(0.025, 0.05, sections=64),
+    }[shape]
+    found = found_for(mesh)
+    assert len(found) >= 8
+    middle = np.linalg.norm(found.grasp_point - mesh.center_mass, axis=1)
+    assert np.median(middle) < 0.005
+
+
+def test_chords_of_a_cube_and_directions_across_them():
+    chords = opposing_chords(np.vstack([np.eye(3), -np.eye(3)]), 1.0)
+    assert len(chords) == 3
+    approach, closing = ball_directions(chords)
+    # fingers close across a chord: approach, closing axis and chord are at right angles
+    across = np.cross(approach, closing)
+    assert np.abs(np.abs(across @ chords.T).max(axis=1) - 1.0).max() < 1e-9
+
+
+def test_a_tetrahedron_has_no_opposing_chord():
+    corners = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) / np.sqrt(3.0)
+    assert len(opposing_chords(corners, 1.0)) == 0
+
+
+def test_bad_parameters_are_refused():
+    axis = medial_axis(trimesh.creation.capsule(0.1, 0.02))
+    with pytest.raises(InputError, match="min_radius_ratio"):
+        candidates_from_axis(axis, search_radius=0.03, min_radius_ratio=1.5)
+    with pytest.raises(InputError, match="search_radius"):
+        candidates_from_axis(axis, search_radius=0.0)
