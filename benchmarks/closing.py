@@ -22,7 +22,7 @@ def objects() -> dict[str, trimesh.Trimesh]:
     }
 
 
-def run(candidates: int = 40) -> dict[str, Any]:
+def run(candidates: int = 15) -> dict[str, Any]:
     """Median processor time [s] per candidate, ours and the rival's, and their ratio."""
     hand = load_hand("armar3")
     rows = {}
@@ -71,6 +71,7 @@ class CoalLoop:
             self.parts.append(coal.Convex.convexHull(points, True, "Qt"))
 
     def hits(self, q: Any, pose: Any, bodies: Any) -> bool:
+        """Whether one of the bodies meets the mesh."""
         links = self.hand.link_poses(q)
         for b in bodies:
             at = pose @ links[self.hand.bodies[b].link]
@@ -82,6 +83,7 @@ class CoalLoop:
         return False
 
     def close(self, pose: Any) -> Any:
+        """Joint coordinates after closing at a pose that is free of collision."""
         q = np.array(self.hand.preshapes["power"])
         for finger in self.hand.fingers:
             for joint, sign, bodies in zip(
