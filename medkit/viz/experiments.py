@@ -50,7 +50,8 @@ def plot_yields(
     for k, (label, table) in enumerate(ours.items()):
         at = np.arange(len(names)) + (k - (len(ours) - 1) / 2.0) * width
         rows = table.set_index("object").loc[names]
-        error = [rows.yield_pct - rows.low_pct, rows.high_pct - rows.yield_pct]
+        # Rounding may put an interval that ends at 0 or 100 % a hair inside its yield.
+        error = np.maximum([rows.yield_pct - rows.low_pct, rows.high_pct - rows.yield_pct], 0.0)
         ax.errorbar(
             at, rows.yield_pct, yerr=np.nan_to_num(error), fmt=MARKERS[k], color=CYCLE[k],
             markersize=6, capsize=2, linewidth=1.2, label=f"{label}, rebuilt (95 %)",
