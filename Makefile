@@ -9,7 +9,7 @@ export OMP_NUM_THREADS := 1
 export OPENBLAS_NUM_THREADS := 1
 export NUMBA_NUM_THREADS := 1
 
-.PHONY: help book test lab labs lint types bench clean lock notebooks
+.PHONY: help book test lab labs lint browser bench clean lock notebooks
 help:
 	@echo "make book      rebuild every notebook into HTML under build/book"
 	@echo "make test      everything CI checks: style, types, import direction, tests, notebooks"
@@ -17,6 +17,7 @@ help:
 	@echo "make lint      style, types and import direction alone"
 	@echo "make bench     the benchmarks, rivals in the same run"
 	@echo "make notebooks execute every notebook in place, so that its outputs are stored anew"
+	@echo "make browser   run every notebook in JupyterLab in Chromium and look at it"
 	@echo "make labs      write the students' copies of the labs to build/labs"
 	@echo "make lock      resolve the dependencies anew into requirements.lock (needs uv)"
 	@echo "make clean     remove what was built, the environment included"
@@ -40,6 +41,10 @@ lint: $(READY)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy medkit
 	$(BIN)/lint-imports
+
+browser: $(READY)
+	$(BIN)/python -c "import playwright" 2>/dev/null || { echo "make browser needs Chromium and the extra 'browser': pip install playwright pillow" >&2; exit 2; }
+	$(BIN)/python tools/browser_check.py
 
 labs: $(READY)
 	$(BIN)/python -m medkit.labs students --out build/labs

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from medkit.grasping.grasp_file import grasp_document
@@ -11,14 +12,32 @@ from medkit.viz.scene import scene_html
 
 if TYPE_CHECKING:
     import trimesh
-    from IPython.display import HTML
 
     from medkit.grasping import GraspSet
 
-HEIGHT = 560  # [px]
+HEIGHT = 640  # [px]
 
 
-def show_grasps(found: GraspSet, mesh: trimesh.Trimesh, hand: Hand, *, most: int = 24) -> HTML:
+@dataclass(frozen=True)
+class Frame:
+    """A whole page inside a cell, apart from the notebook's own style and scripts."""
+
+    page: str
+    title: str
+    height: int = HEIGHT
+
+    def _repr_html_(self) -> str:
+        return (
+            f'<iframe srcdoc="{html.escape(self.page, quote=True)}" width="100%"'
+            f' height="{self.height}" style="border:1px solid #dfe3e8;border-radius:6px"'
+            f' title="{html.escape(self.title, quote=True)}"></iframe>'
+        )
+
+    def __repr__(self) -> str:
+        return f"<{self.title}>"
+
+
+def show_grasps(found: GraspSet, mesh: trimesh.Trimesh, hand: Hand, *, most: int = 24) -> Frame:
     """Show planned grasps in a cell, turned by hand and chosen from a list.
 
     Nothing runs in the background: the view is one self-contained page in a frame, so it works in
@@ -37,17 +56,12 @@ def show_grasps(found: GraspSet, mesh: trimesh.Trimesh, hand: Hand, *, most: int
 
     Returns
     -------
-    IPython.display.HTML
-        The frame. A notebook that is not trusted leaves it out: put a static picture beside it.
+    Frame
+        What a cell displays. An untrusted notebook leaves it out: put a static picture beside it.
     """
-    from IPython.display import HTML
-
     document = grasp_document(found)
     page = scene_html(
         mesh, hand, document["grasps"], title=f"{found.grasp} grasps", most=most,
         friction=float(found.parameters.get("friction", 0.5)), preshape=found.grasp,
     )  # fmt: skip
-    return HTML(
-        f'<iframe srcdoc="{html.escape(page, quote=True)}" width="100%" height="{HEIGHT}"'
-        ' style="border:1px solid #dfe3e8;border-radius:6px" title="grasp browser"></iframe>'
-    )
+    return Frame(page, "grasp browser")

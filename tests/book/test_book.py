@@ -128,3 +128,21 @@ def test_every_replay_row_of_the_stored_chapters_is_complete():
         for output in cell_output.outputs:
             if MIME in output.get("data", {}):
                 assert set(output.data[MIME]) >= {"source", "quantity", "printed", "ours"}
+
+
+def test_every_link_between_stored_notebooks_leads_somewhere():
+    root = Path(__file__).parents[2] / "notebooks"
+    notebooks = [*find_notebooks(root), *sorted((root / "labs").glob("*.ipynb"))]
+    for path in notebooks:
+        for cell in nbformat.read(path, as_version=4).cells:
+            if cell.cell_type == "markdown":
+                for target in re.findall(r"\]\((?!https?:)([^)#]+\.(?:ipynb|md))", cell.source):
+                    assert (path.parent / target).exists(), f"{path.name} links to {target}"
+
+
+def test_stored_notebooks_name_no_machine_and_keep_their_size():
+    root = Path(__file__).parents[2] / "notebooks"
+    for path in root.rglob("*.ipynb"):
+        text = path.read_text(encoding="utf-8")
+        assert len(text) < 1.5e6, path.name
+        assert not re.search(r"(/home/|/root/|/tmp/|/usr/|site-packages)", text), path.name
