@@ -23,6 +23,8 @@ Ints = NDArray[np.int64]
 AXIS_STEPS = 4
 #: A sphere without enough neighbours counts as dominant from this share of the largest radius.
 DOMINANT_RATIO = 0.9
+#: Spheres from this share of the largest radius are the inscribed one, up to sampling.
+INSCRIBED_RATIO = 0.97
 
 
 class SphereFate(IntEnum):
@@ -147,7 +149,13 @@ def candidates_from_axis(
         raise InputError(f"Expected at least one axis step, but got {axis_steps}; P13 takes 4.")
     fate = np.full(len(axis.centers), SphereFate.TOO_FEW_NEIGHBORS, dtype=np.int8)
     narrow = axis.object_angles < min_object_angle - 1e-9
-    small = axis.radii < ratio * axis.radii.max(initial=0.0)
+    # a large sphere of small object angle, as in a wide corner, sets no scale for thickness
+    largest = float(axis.radii[~narrow].max(initial=0.0))
+    if narrow.all():
+        # no sphere is wide enough: only the inscribed ones stand for the solid (P13 4.4.4)
+        narrow = axis.radii < INSCRIBED_RATIO * axis.radii.max(initial=0.0)
+        largest = float(axis.radii.max(initial=0.0))
+    small = axis.radii < ratio * largest
     fate[small] = SphereFate.BELOW_RADIUS_RATIO
     fate[narrow] = SphereFate.OBJECT_ANGLE_TOO_SMALL
     kept = np.flatnonzero(~narrow & ~small)
@@ -155,7 +163,7 @@ def candidates_from_axis(
         return _joined([], axis, fate)
     part = axis.select(kept)
     symmetry = local_symmetry(MedialSphereGrid.from_axis(part), search_radius)
-    fate[kept] = _fates(part, symmetry, axis.radii.max(), hand_radii)
+    fate[kept] = _fates(part, symmetry, largest, hand_radii)
     solids = _special_solids(part, fate, kept, search_radius)
     parts = [
         _around_axes(
