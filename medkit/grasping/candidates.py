@@ -23,6 +23,8 @@ Ints = NDArray[np.int64]
 AXIS_STEPS = 4
 #: A sphere without enough neighbours counts as dominant from this share of the largest radius.
 DOMINANT_RATIO = 0.9
+#: Centres spread less than this share of the radius belong to one dominant sphere.
+COMPACT = 0.1
 #: Spheres from this share of the largest radius are the inscribed one, up to sampling.
 INSCRIBED_RATIO = 0.97
 
@@ -192,7 +194,9 @@ def _fates(
     table = np.array([names[kind] for kind in SymmetryKind], dtype=np.int8)
     fate = table[symmetry.kind]
     dominant = (symmetry.kind == SymmetryKind.TOO_FEW) & (part.radii >= DOMINANT_RATIO * largest)
-    fate[dominant] = SphereFate.BALL
+    # centres that spread little against the thickness are one sphere, seen through noise
+    compact = np.sqrt(np.maximum(symmetry.lambdas[:, 0], 0.0)) < COMPACT * part.radii
+    fate[dominant | compact] = SphereFate.BALL
     serves = np.isin(fate, [SphereFate.AXIS, SphereFate.RIM, SphereFate.BALL])
     fate[serves & (part.radii > hand_radii[1])] = SphereFate.TOO_LARGE_FOR_HAND
     fate[serves & (part.radii < hand_radii[0])] = SphereFate.TOO_SMALL_FOR_HAND
