@@ -81,7 +81,7 @@ def refuse_wrong_scale(mesh: trimesh.Trimesh, *, scale: float = 1.0) -> None:
     InputError
         If the longest edge of the bounding box is above 3 m or below 2 mm.
     """
-    longest = float(np.ptp(mesh.vertices, axis=0).max())
+    longest = float(np.ptp(used_part(mesh)[0], axis=0).max())
     if SMALLEST_OBJECT <= longest <= LARGEST_OBJECT:
         return
     raw = longest / scale
@@ -96,6 +96,12 @@ def refuse_wrong_scale(mesh: trimesh.Trimesh, *, scale: float = 1.0) -> None:
         f"Expected an object between {SMALLEST_OBJECT:g} and {LARGEST_OBJECT:g} m, but its longest"
         f" edge is {longest:.4g} m with scale {scale:g}; try {guess}."
     )
+
+
+def used_part(mesh: trimesh.Trimesh) -> tuple[Any, Any]:
+    """Return the vertices (n, 3) [m] that some face uses, and the faces (f, 3) renumbered."""
+    used, faces = np.unique(np.asarray(mesh.faces, dtype=np.int64), return_inverse=True)
+    return np.asarray(mesh.vertices, dtype=float)[used], faces.reshape(-1, 3)
 
 
 def _read(file: Path) -> tuple[Any, Any]:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from medkit.errors import InputError
 from medkit.geometry import Floats
+from medkit.meshes.loading import used_part
 from medkit.meshes.remesh import remesh_by_winding_number
 
 Ints = NDArray[np.int64]
@@ -95,21 +96,21 @@ def repair_mesh(mesh: trimesh.Trimesh) -> RepairedMesh:
     """
     if len(mesh.faces) == 0:
         raise InputError("Expected at least one triangle, but the mesh is empty; check the file.")
-    if not np.all(np.isfinite(mesh.vertices)):
+    vertices, faces = used_part(mesh)
+    if not np.all(np.isfinite(vertices)):
         raise InputError(
             "Expected finite vertex coordinates, but the mesh holds NaN or infinity;"
             " export it again."
         )
-    middle = mesh.vertices.mean(axis=0)
-    diagonal = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
+    middle = vertices.mean(axis=0)
+    diagonal = float(np.linalg.norm(np.ptp(vertices, axis=0)))
     if diagonal == 0.0:
         raise InputError(
             "Expected a closed body, but all vertices coincide (zero volume); check the file."
         )
     repairs: list[str] = []
     # everything is decided at unit size about the origin, so that no tolerance knows a unit
-    vertices = np.ascontiguousarray((np.asarray(mesh.vertices, dtype=float) - middle) / diagonal)
-    surface = _clean(vertices, np.asarray(mesh.faces, dtype=np.int64), repairs)
+    surface = _clean(np.ascontiguousarray((vertices - middle) / diagonal), faces, repairs)
     surface = _oriented(surface, repairs)
     surface = _closed(surface, repairs)
     surface = _one_body(surface, repairs)

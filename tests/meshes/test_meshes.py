@@ -139,6 +139,17 @@ def test_a_self_intersecting_surface_is_remeshed():
     assert 0.6 * abs(tube.volume) < result.mesh.volume < abs(tube.volume)
 
 
+def test_a_vertex_that_no_face_uses_changes_nothing():
+    mesh = box()
+    stray = trimesh.Trimesh(
+        np.vstack([mesh.vertices, [900.0, 0.0, 0.0]]), mesh.faces, process=False
+    )
+    result = repair_mesh(stray)
+    assert result.repairs == ()
+    assert result.mesh.volume == pytest.approx(mesh.volume)
+    refuse_wrong_scale(stray)
+
+
 def test_crumbs_are_dropped():
     result = repair_mesh(joined(ball(0.05), ball(0.002, at=(0.2, 0.0, 0.0))))
     assert result.mesh.volume == pytest.approx(ball(0.05).volume)
