@@ -84,7 +84,7 @@ def execute(path: Path) -> Executed:
     start = time.perf_counter()
     client = NotebookClient(
         node, timeout=TIMEOUT, kernel_name="python3", record_timing=False,
-        resources={"metadata": {"path": str(path.parent)}}, 
+        resources={"metadata": {"path": str(path.parent)}},
         extra_arguments=["--IPKernelApp.log_level=40"],
     )  # fmt: skip
     try:
