@@ -55,6 +55,30 @@ def list_neighbors(queries, radius, points, starts, low, width, counts, offsets,
 
 
 @njit(cache=True)
+def _distance2(dx, dy, dz):
+    """Squared length, rounded as everywhere else: what is a neighbour must not depend on speed."""
+    return dx * dx + dy * dy + dz * dz
+
+
+# Only the order of the sums may change, so that several spheres can be summed at a time.
+@njit(cache=True, fastmath={"reassoc", "nsz"})
+def _add_row(sums, px, py, pz, first, last, x, y, z, reach2):
+    """Add number, offsets (3) and their products (6) of the neighbours in one row of cells."""
+    n = sx = sy = sz = xx = yy = zz = xy = xz = yz = 0.0
+    for j in range(first, last):
+        dx, dy, dz = px[j] - x, py[j] - y, pz[j] - z
+        # a weight instead of a branch: a branch would stop the compiler from using wide registers
+        own = 1.0 if _distance2(dx, dy, dz) <= reach2 else 0.0
+        dx, dy, dz = own * dx, own * dy, own * dz
+        n += own
+        sx, sy, sz = sx + dx, sy + dy, sz + dz
+        xx, yy, zz = xx + dx * dx, yy + dy * dy, zz + dz * dz
+        xy, xz, yz = xy + dx * dy, xz + dx * dz, yz + dy * dz
+    for k, value in enumerate((n, sx, sy, sz, xx, yy, zz, xy, xz, yz)):
+        sums[k] += value
+
+
+@njit(cache=True)
 def local_moments(queries, radius, points, starts, low, width, counts):
     """Number, mean offset (3) and central second moments (6) of each query's neighbours.
 
@@ -62,32 +86,38 @@ def local_moments(queries, radius, points, starts, low, width, counts):
     """
     number = np.zeros(len(queries), np.int64)
     moments = np.zeros((len(queries), 9))
+    px, py, pz = points[:, 0].copy(), points[:, 1].copy(), points[:, 2].copy()
+    sums = np.empty(10)
     for q in range(len(queries)):
         x, y, z = queries[q, 0], queries[q, 1], queries[q, 2]
         a0, a1 = _cell_range(x, radius, low[0], width[0], counts[0])
         b0, b1 = _cell_range(y, radius, low[1], width[1], counts[1])
         c0, c1 = _cell_range(z, radius, low[2], width[2], counts[2])
-        n = 0
-        sx = sy = sz = xx = yy = zz = xy = xz = yz = 0.0
+        sums[:] = 0.0
+        # rows that span the whole z edge follow each other in memory: walk them as one
+        rows = b1 - b0 + 1 if c0 == 0 and c1 == counts[2] - 1 else 1
         for a in range(a0, a1 + 1):
-            for b in range(b0, b1 + 1):
+            for b in range(b0, b1 + 1, rows):
                 row = (a * counts[1] + b) * counts[2]
-                for j in range(starts[row + c0], starts[row + c1 + 1]):
-                    dx, dy, dz = points[j, 0] - x, points[j, 1] - y, points[j, 2] - z
-                    if dx * dx + dy * dy + dz * dz <= radius * radius:
-                        n += 1
-                        sx, sy, sz = sx + dx, sy + dy, sz + dz
-                        xx, yy, zz = xx + dx * dx, yy + dy * dy, zz + dz * dz
-                        xy, xz, yz = xy + dx * dy, xz + dx * dz, yz + dy * dz
-        number[q] = n
-        if n == 0:
-            continue
-        mx, my, mz = sx / n, sy / n, sz / n
-        moments[q, 0], moments[q, 1], moments[q, 2] = mx, my, mz
-        moments[q, 3], moments[q, 4] = xx / n - mx * mx, yy / n - my * my
-        moments[q, 5], moments[q, 6] = zz / n - mz * mz, xy / n - mx * my
-        moments[q, 7], moments[q, 8] = xz / n - mx * mz, yz / n - my * mz
+                first = starts[row + c0]
+                last = starts[row + (rows - 1) * counts[2] + c1 + 1]
+                if last > first:
+                    _add_row(sums, px, py, pz, first, last, x, y, z, radius * radius)
+        number[q] = np.int64(sums[0])
+        if number[q] > 0:
+            _central(sums, moments[q])
     return number, moments
+
+
+@njit(cache=True)
+def _central(sums, moments):
+    """Means (3) and central second moments (6: xx, yy, zz, xy, xz, yz) from the sums."""
+    for k in range(3):
+        moments[k] = sums[1 + k] / sums[0]
+        moments[3 + k] = sums[4 + k] / sums[0] - moments[k] * moments[k]
+    moments[6] = sums[7] / sums[0] - moments[0] * moments[1]
+    moments[7] = sums[8] / sums[0] - moments[0] * moments[2]
+    moments[8] = sums[9] / sums[0] - moments[1] * moments[2]
 
 
 @njit(cache=True)
