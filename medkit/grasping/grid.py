@@ -46,6 +46,25 @@ class Neighborhoods:
 
 
 @dataclass(frozen=True)
+class SearchWork:
+    """Work of a neighbourhood search around every sphere (P13 3.4.3), each of shape (n,).
+
+    Attributes
+    ----------
+    opened : ndarray of int
+        Cells that the search radius reaches, P13's |J|.
+    tested : ndarray of int
+        Spheres in these cells, each of them one distance, P13's |S_cu|.
+    found : ndarray of int
+        Spheres within the radius, the queried one included.
+    """
+
+    opened: Indices
+    tested: Indices
+    found: Indices
+
+
+@dataclass(frozen=True)
 class MedialSphereGrid:
     """Medial spheres sorted into cubic cells (P13 3.4).
 
@@ -146,11 +165,32 @@ class MedialSphereGrid:
         query = (self.axis.centers[queries], positive(radius, "radius", " m"), *self.cells())
         counts = kernels.count_neighbors(*query)
         offsets = np.concatenate([[0], np.cumsum(counts)])
-        places = np.empty(offsets[-1], np.int64)
-        kernels.list_neighbors(*query, offsets, places)
-        members = self.order[places]
-        owner = np.repeat(np.arange(len(queries)), counts)
-        return Neighborhoods(offsets, members[np.lexsort((members, owner))])
+        members = np.empty(offsets[-1], np.int64)
+        kernels.list_neighbors(*query, self.order, offsets, members)
+        return Neighborhoods(offsets, members)
+
+    def search_work(self, radius: float) -> SearchWork:
+        """Count what a search around every sphere opens, tests and finds, without a clock.
+
+        Parameters
+        ----------
+        radius : float
+            Search radius, P13's r_N [m].
+
+        Returns
+        -------
+        SearchWork
+            Three counts per sphere, in the order of the axis.
+
+        Raises
+        ------
+        InputError
+            If the radius is not positive.
+        """
+        reach = positive(radius, "radius", " m")
+        cells = self.cells()
+        opened, tested = kernels.count_work(self.axis.centers, reach, *cells)
+        return SearchWork(opened, tested, kernels.count_neighbors(self.axis.centers, reach, *cells))
 
     def cells(self) -> tuple[Floats, Indices, Floats, Floats, Indices]:
         """Cell-sorted centres, starts, lowest corner, cell widths and counts, for the kernels."""

@@ -36,8 +36,8 @@ def count_neighbors(queries, radius, points, starts, low, width, counts):
 
 
 @njit(cache=True)
-def list_neighbors(queries, radius, points, starts, low, width, counts, offsets, members):
-    """Write the cell-sorted positions of each query's neighbours, as counted before."""
+def list_neighbors(queries, radius, points, starts, low, width, counts, order, offsets, members):
+    """Write each query's neighbours, counted before, by the numbers in `order`, ascending."""
     for q in range(len(queries)):
         x, y, z = queries[q, 0], queries[q, 1], queries[q, 2]
         a0, a1 = _cell_range(x, radius, low[0], width[0], counts[0])
@@ -50,8 +50,27 @@ def list_neighbors(queries, radius, points, starts, low, width, counts, offsets,
                 for j in range(starts[row + c0], starts[row + c1 + 1]):
                     dx, dy, dz = points[j, 0] - x, points[j, 1] - y, points[j, 2] - z
                     if dx * dx + dy * dy + dz * dz <= radius * radius:
-                        members[place] = j
+                        members[place] = order[j]
                         place += 1
+        # one query at a time, while its few hundred members are still in the cache
+        members[offsets[q] : place].sort()
+
+
+@njit(cache=True)
+def count_work(queries, radius, points, starts, low, width, counts):
+    """How many cells a search around each query opens, and how many points it tests there."""
+    opened = np.zeros(len(queries), np.int64)
+    tested = np.zeros(len(queries), np.int64)
+    for q in range(len(queries)):
+        a0, a1 = _cell_range(queries[q, 0], radius, low[0], width[0], counts[0])
+        b0, b1 = _cell_range(queries[q, 1], radius, low[1], width[1], counts[1])
+        c0, c1 = _cell_range(queries[q, 2], radius, low[2], width[2], counts[2])
+        opened[q] = (a1 - a0 + 1) * (b1 - b0 + 1) * (c1 - c0 + 1)
+        for a in range(a0, a1 + 1):
+            for b in range(b0, b1 + 1):
+                row = (a * counts[1] + b) * counts[2]
+                tested[q] += starts[row + c1 + 1] - starts[row + c0]
+    return opened, tested
 
 
 @njit(cache=True)

@@ -93,6 +93,31 @@ def test_every_sphere_is_in_the_grid_once():
     assert grid.starts[-1] == 500
 
 
+def test_search_work_counts_cells_and_candidates():
+    # four points in the middles of the outer of 1 x 1 x 4 cells of width 0.25
+    centers = np.c_[np.zeros((8, 2)), [0.0, 0.1, 0.3, 0.4, 0.6, 0.7, 0.9, 1.0]]
+    grid = MedialSphereGrid.from_axis(axis_of(centers), cell_density=2.0)
+    assert grid.shape == (1, 1, 4)
+    work = grid.search_work(0.12)
+    assert work.opened.tolist() == [1, 1, 2, 2, 2, 2, 1, 1]
+    assert work.tested.tolist() == [2, 2, 4, 4, 4, 4, 2, 2]
+    assert work.found.tolist() == [2, 2, 2, 2, 2, 2, 2, 2]
+
+
+@pytest.mark.parametrize("density", [0.5, 4.0, 50.0])
+def test_search_work_bounds_what_is_found_and_stays_when_the_set_grows(density):
+    def inner_work(n, side):
+        centers = np.random.default_rng(3).uniform(size=(n, 3)) * [side, side, 1e-6]
+        work = MedialSphereGrid.from_axis(axis_of(centers), cell_density=density).search_work(0.1)
+        assert np.all((work.found >= 1) & (work.tested >= work.found) & (work.opened >= 1))
+        return work.tested[
+            np.all(np.abs(centers[:, :2] - side / 2) < side / 2 - 0.2, axis=1)
+        ].mean()
+
+    # sixteen times the spheres on sixteen times the area
+    assert inner_work(16_000, 4.0) == pytest.approx(inner_work(1000, 1.0), rel=0.15)
+
+
 def test_bad_arguments_are_refused():
     grid = MedialSphereGrid.from_axis(axis_of(np.eye(3)))
     for indices in ([3], [-1], [0.5]):
@@ -100,6 +125,8 @@ def test_bad_arguments_are_refused():
             grid.neighbors(indices, 1.0)
     with pytest.raises(InputError, match="radius"):
         grid.neighbors([0], 0.0)
+    with pytest.raises(InputError, match="radius"):
+        grid.search_work(-1.0)
     with pytest.raises(InputError, match="cell_density"):
         MedialSphereGrid.from_axis(axis_of(np.eye(3)), cell_density=0.0)
     with pytest.raises(InputError, match="at least one medial sphere"):
