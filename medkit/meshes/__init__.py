@@ -4,7 +4,7 @@ Examples
 --------
 >>> import trimesh
 >>> box = trimesh.creation.box((0.1, 0.1, 0.2))
->>> box.invert()
+>>> _ = box.invert()
 >>> repair_mesh(box).repairs
 ('turned the surface outwards (it was inside-out)',)
 """

@@ -70,7 +70,7 @@ def synergies_from_postures(postures: ArrayLike, *, joints: tuple[str, ...] = JO
     --------
     >>> angles = np.random.default_rng(1).normal(size=(40, 2)) * [1.0, 0.1]
     >>> synergies_from_postures(angles, joints=("a", "b")).share.round(2)
-    array([0.98, 1.  ])
+    array([0.99, 1.  ])
     """
     array = np.asarray(postures, dtype=float)
     if array.ndim != 2 or array.shape[1] != len(joints) or len(array) <= array.shape[1]:
