@@ -28,7 +28,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("mesh", metavar="MESH", help="triangle mesh of the object")
     parser.add_argument("--scale", type=float, default=1.0, help="metres per unit of the file (1)")
     parser.add_argument("--hand", default="armar3", help="armar3, schunk, wsg50 or a hand file")
-    parser.add_argument("--planner", default="medial", help="medial, normals or boxes (medial)")
+    parser.add_argument(
+        "--planner", default="medial", help="medial, medial-plus, normals or boxes (medial)"
+    )
     parser.add_argument("--grasp", default="power", choices=("power", "precision"))
     parser.add_argument("--friction", type=float, default=0.5, help="friction coefficient (0.5)")
     parser.add_argument(
@@ -55,10 +57,11 @@ def run(args: argparse.Namespace) -> int:
     check_arguments(args)
     import numpy as np
 
-    from medkit.grasping.planners import plan_grasps, with_origin
+    from medkit.grasping.planners import CANDIDATE_SOURCES, looked_up, plan_grasps, with_origin
     from medkit.meshes import load_mesh, refuse_wrong_scale, repair_mesh
     from medkit.robots import load_hand
 
+    looked_up(CANDIDATE_SOURCES, args.planner, "planner")
     hand = load_hand(args.hand)
     mesh = load_mesh(args.mesh, scale=args.scale)
     refuse_wrong_scale(mesh, scale=args.scale)
@@ -134,7 +137,7 @@ def write_outputs(args: argparse.Namespace, found: GraspSet, mesh: Any, hand: An
     if args.xml:
         from medkit.grasping.export_xml import write_grasps_xml
 
-        write_grasps_xml(args.xml, document, preshape=found.grasp)
+        write_grasps_xml(args.xml, document, preshape=found.grasp, prismatic=hand.prismatic_joints)
     if args.html:
         from medkit.viz.scene import write_scene_html
 

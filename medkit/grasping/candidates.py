@@ -194,8 +194,10 @@ def _fates(
     table = np.array([names[kind] for kind in SymmetryKind], dtype=np.int8)
     fate = table[symmetry.kind]
     dominant = (symmetry.kind == SymmetryKind.TOO_FEW) & (part.radii >= DOMINANT_RATIO * largest)
-    # centres that spread little against the thickness are one sphere, seen through noise
+    # centres that spread little against the thickness are one sphere, seen through noise; a
+    # lonely sphere has no spread either, but says nothing
     compact = np.sqrt(np.maximum(symmetry.lambdas[:, 0], 0.0)) < COMPACT * part.radii
+    compact &= symmetry.kind != SymmetryKind.TOO_FEW
     fate[dominant | compact] = SphereFate.BALL
     serves = np.isin(fate, [SphereFate.AXIS, SphereFate.RIM, SphereFate.BALL])
     fate[serves & (part.radii > hand_radii[1])] = SphereFate.TOO_LARGE_FOR_HAND

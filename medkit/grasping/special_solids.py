@@ -15,6 +15,8 @@ SAME_CHORD = np.radians(25.0)
 MOST_CHORDS = 10
 #: Directions around a chord.
 STEPS = 4
+#: Approach directions of a ball, and turns of the hand about each.
+BALL_DIRECTIONS, BALL_ROLLS = 16, 4
 
 
 def opposing_chords(touch: Floats, radius: float) -> Floats:
@@ -51,6 +53,34 @@ def opposing_chords(touch: Floats, radius: float) -> Floats:
     return np.array(chords).reshape(-1, 3)
 
 
+def even_directions(count: int) -> Floats:
+    """Directions spread evenly over the sphere, always the same ones (a Fibonacci lattice).
+
+    Parameters
+    ----------
+    count : int
+        How many.
+
+    Returns
+    -------
+    ndarray, shape (count, 3)
+        Unit directions, in an order in which the first few are spread as well.
+
+    Examples
+    --------
+    >>> bool(abs(even_directions(20).mean(axis=0)).max() < 0.05)
+    True
+    """
+    golden = (np.sqrt(5.0) - 1.0) / 2.0
+    place = np.arange(count)
+    height = 1.0 - (2.0 * place + 1.0) / count
+    turn = 2.0 * np.pi * golden * place
+    width = np.sqrt(1.0 - height**2)
+    lattice = np.stack([width * np.cos(turn), width * np.sin(turn), height], axis=1)
+    # from pole to pole in strides of the golden ratio, so that a part of them is spread too
+    return lattice[np.argsort((place * golden) % 1.0, kind="stable")]
+
+
 def ball_directions(chords: Floats) -> tuple[Floats, Floats]:
     """Approach directions and closing axes for one sphere that stands for its solid.
 
@@ -58,7 +88,7 @@ def ball_directions(chords: Floats) -> tuple[Floats, Floats]:
     ----------
     chords : ndarray, shape (c, 3)
         Its opposing touch directions. With none the solid is a ball, and directions come from
-        all around: the axes and diagonals of the object frame.
+        all around, each with several turns of the hand: see `even_directions`.
 
     Returns
     -------
@@ -67,11 +97,12 @@ def ball_directions(chords: Floats) -> tuple[Floats, Floats]:
         other chords where there are any, and the fingers close across the chord.
     """
     if not len(chords):
-        signs = np.array(np.meshgrid([-1, 1], [-1, 1], [-1, 1])).reshape(3, -1).T
-        approach = unit(np.vstack([np.eye(3), -np.eye(3), signs]))
-        axis = perpendicular(approach)
-        axes = np.stack([axis, np.cross(approach, axis)], axis=1)
-        return np.repeat(approach, 2, axis=0), axes.reshape(-1, 3)
+        approach = even_directions(BALL_DIRECTIONS)
+        first = perpendicular(approach)
+        second = np.cross(approach, first)
+        turns = 2.0 * np.pi * np.arange(BALL_ROLLS) / BALL_ROLLS
+        axes = np.cos(turns)[:, None] * first[:, None] + np.sin(turns)[:, None] * second[:, None]
+        return np.repeat(approach, BALL_ROLLS, axis=0), axes.reshape(-1, 3)
     rows = []
     for k, chord in enumerate(chords):
         others = np.delete(chords, k, axis=0)

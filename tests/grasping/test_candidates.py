@@ -9,7 +9,7 @@ import trimesh
 from medkit.errors import InputError
 from medkit.geometry import apply, random_rotation, transform
 from medkit.grasping import SphereFate, candidates_from_axis, medial_axis
-from medkit.grasping.special_solids import ball_directions, opposing_chords
+from medkit.grasping.special_solids import BALL_ROLLS, ball_directions, opposing_chords
 
 
 def found_for(mesh, **options):
@@ -87,7 +87,8 @@ def test_special_solids_get_candidates(shape):
     found = found_for(mesh)
     assert len(found) >= 8
     middle = np.linalg.norm(found.grasp_point - mesh.center_mass, axis=1)
-    assert np.median(middle) < 0.005
+    # all of them: a lonely sphere at an edge is no ball
+    assert middle.max() < 0.005
 
 
 def test_chords_of_a_cube_and_directions_across_them():
@@ -97,6 +98,18 @@ def test_chords_of_a_cube_and_directions_across_them():
     # fingers close across a chord: approach, closing axis and chord are at right angles
     across = np.cross(approach, closing)
     assert np.abs(np.abs(across @ chords.T).max(axis=1) - 1.0).max() < 1e-9
+
+
+def test_a_ball_is_approached_from_all_around_in_several_turns():
+    approach, closing = ball_directions(np.zeros((0, 3)))
+    directions = approach[::BALL_ROLLS]
+    nearest = np.sort(directions @ directions.T, axis=1)[:, -2]
+    # as far apart as a hexagonal lattice of so many directions, give or take a third
+    apart = np.sqrt(4.0 * np.pi / len(directions) * 2.0 / np.sqrt(3.0))
+    assert (np.arccos(nearest) > 0.67 * apart).all()
+    turns = closing.reshape(-1, BALL_ROLLS, 3)
+    np.testing.assert_allclose(turns.sum(axis=1), 0.0, atol=1e-12)
+    np.testing.assert_allclose(np.einsum("ij,ij->i", approach, closing), 0.0, atol=1e-12)
 
 
 def test_a_tetrahedron_has_no_opposing_chord():
