@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from importlib import import_module
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -26,6 +27,7 @@ from medkit.grasping.grasp_set import (
 )
 from medkit.grasping.medial import medial_axis
 from medkit.grasping.power import Contacts, PowerCloser
+from medkit.grasping.stopwatch import Stopwatch
 from medkit.meshes import mass_properties
 from medkit.quality import epsilon
 from medkit.robots.hand import Hand
@@ -88,7 +90,8 @@ def plan_grasps(
         Closing strategy, one of `TESTERS`: ``"power"`` or ``"precision"``.
     planner : str
         Generator of candidates, one of `CANDIDATE_SOURCES`: ``"medial"`` as published,
-        ``"medial-plus"`` with the improvements of `medkit.grasping.improved`, or a baseline.
+        ``"medial-plus"`` with the changes of `medkit.grasping.improved`, where one candidate is
+        a local search over several closings, or a baseline.
     friction : float
         Friction coefficient of hard point contacts [1].
     search_radius : float
@@ -127,10 +130,13 @@ def plan_grasps(
         watch=watch,
     )
     watch.lap("symmetry")
-    chosen = choose_candidates(candidates, max_candidates, rng)
+    choose = looked_up(CHOOSERS, planner, "planner") if planner in CHOOSERS else choose_candidates
+    chosen = choose(candidates, max_candidates, rng)
     body = mass_properties(mesh)
     quality = Quality(friction, body.center_mass, body.torque_scale)
     tester = make_tester(hand, np.asarray(mesh.triangles, dtype=float), quality)
+    if planner in REFINERS:
+        tester = looked_up(REFINERS, planner, "planner")(tester, hand)
     tested = tuple(run_candidates(tester, chosen, jobs=jobs, progress=progress))
     watch.lap("closing")
     return GraspSet(
@@ -148,7 +154,7 @@ def plan_grasps(
         seed=None,
         sphere_counts=candidates.fate_counts(),
         candidates_found=len(candidates),
-        timing=_timing(watch, sum(spent for _, spent in tested)),
+        timing=watch.stages(quality=sum(spent for _, spent in tested)),
         grasps=tuple(one for one, _ in tested),
     )
 
@@ -194,36 +200,6 @@ def plan_power_grasps(
     )
 
 
-def _timing(watch: Stopwatch, quality: float) -> dict[str, float]:
-    """Time of each stage [s]; with several processes quality counts what all of them spent."""
-    laps = {stage: watch.laps.get(stage, 0.0) for stage in STAGES}
-    laps["quality"] = quality
-    laps["closing"] = max(laps["closing"] - quality, 0.0)
-    laps["total"] = watch.total()
-    return laps
-
-
-STAGES = ("medial", "symmetry", "closing", "quality", "total")
-
-
-class Stopwatch:
-    """Wall time of named laps [s]."""
-
-    def __init__(self) -> None:
-        self.laps: dict[str, float] = {}
-        self._begin = self._last = time.perf_counter()
-
-    def lap(self, name: str) -> None:
-        """Book the time since the last lap under `name`."""
-        now = time.perf_counter()
-        self.laps[name] = self.laps.get(name, 0.0) + now - self._last
-        self._last = now
-
-    def total(self) -> float:
-        """Time since the start [s]."""
-        return time.perf_counter() - self._begin
-
-
 def medial_candidates(
     mesh: trimesh.Trimesh,
     hand: Hand,
@@ -240,8 +216,14 @@ def medial_candidates(
         axis,
         search_radius=search_radius,
         min_radius_ratio=min_radius_ratio,
-        hand_radii=hand.sphere_radii,
+        hand_radii=radii_for(hand, grasp),
     )
+
+
+def radii_for(hand: Hand, grasp: str) -> tuple[float, float]:
+    """Radii of spheres that a hand can grasp [m]: pads hold what a closing fist cannot."""
+    least = 0.0 if grasp == "precision" else hand.min_sphere_radius
+    return least, hand.max_sphere_radius
 
 
 def power_tester(hand: Hand, triangles: Floats, quality: Quality) -> PowerTester:
@@ -253,9 +235,14 @@ def power_tester(hand: Hand, triangles: Floats, quality: Quality) -> PowerTester
 #: ``(mesh, hand, *, grasp, search_radius, min_radius_ratio, watch) -> CandidateGrasps``.
 CANDIDATE_SOURCES = {
     "medial": "medkit.grasping.planners:medial_candidates",
+    "medial-plus": "medkit.grasping.improved:improved_candidates",
     "normals": "medkit.grasping.baselines:normal_candidates",
     "boxes": "medkit.grasping.baselines:box_candidates",
 }
+#: Planners that draw their candidates in their own way, instead of `choose_candidates`.
+CHOOSERS = {"medial-plus": "medkit.grasping.improved:spread_candidates"}
+#: Planners that test a candidate in their own way, called as ``(tester, hand)``.
+REFINERS = {"medial-plus": "medkit.grasping.improved:SearchingTester.around"}
 #: Closing strategies by the kind of grasp, as "module:function". Each is called as
 #: ``(hand, triangles, quality)`` and returns a tester like `PowerTester`.
 TESTERS = {
@@ -270,17 +257,17 @@ def looked_up(table: Mapping[str, str], name: str, what: str) -> Callable[..., A
         known = ", ".join(sorted(table))
         raise InputError(f"Expected a {what} ({known}), but got {name!r}; name one of them.")
     module, _, function = table[name].partition(":")
-    return cast(Callable[..., Any], getattr(import_module(module), function))
+    return cast(Callable[..., Any], attrgetter(function)(import_module(module)))
 
 
 def choose_candidates(
     candidates: CandidateGrasps, most: int | None, rng: np.random.Generator
 ) -> CandidateGrasps:
     """At most so many candidates: all those of spheres drawn without replacement, in order."""
+    if most is not None and most < 1:
+        raise InputError(f"Expected at least one candidate, but got {most}; give a larger number.")
     if most is None or len(candidates) <= most:
         return candidates
-    if most < 1:
-        raise InputError(f"Expected at least one candidate, but got {most}; give a larger number.")
     _, groups = np.unique(candidates.sphere, return_inverse=True)
     place = np.argsort(rng.permutation(groups.max() + 1))
     order = np.argsort(place[groups], kind="stable")

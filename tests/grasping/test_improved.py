@@ -1,0 +1,148 @@
+"""The guided planner: what it promises about directions, spread and search."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import trimesh
+
+from medkit.errors import InputError
+from medkit.geometry import random_rotation
+from medkit.grasping import SphereFate, candidates_from_axis, medial_axis, plan_grasps
+from medkit.grasping.improved import (
+    SearchingTester,
+    depth_of_object,
+    farthest_first,
+    improved_candidates,
+    spread_candidates,
+    straddle,
+)
+from medkit.grasping.planners import Quality, power_tester
+from medkit.grasping.stopwatch import Stopwatch
+from medkit.meshes import mass_properties
+from medkit.robots import load_hand
+
+SETTINGS = {"grasp": "power", "search_radius": 0.03, "min_radius_ratio": 0.5}
+
+
+@pytest.fixture(scope="module")
+def hand():
+    return load_hand("armar3")
+
+
+@pytest.fixture(scope="module")
+def plate():
+    return trimesh.creation.box([0.02, 0.16, 0.22])
+
+
+@pytest.fixture(scope="module")
+def found(plate, hand):
+    return improved_candidates(plate, hand, watch=Stopwatch(), **SETTINGS)
+
+
+def test_directions_are_unit_and_at_right_angles(found):
+    for vectors in (found.approach, found.closing_axis):
+        np.testing.assert_allclose(np.linalg.norm(vectors, axis=1), 1.0, atol=1e-9)
+    across = np.einsum("ij,ij->i", found.approach, found.closing_axis)
+    np.testing.assert_allclose(across, 0.0, atol=1e-9)
+
+
+def test_fingers_close_across_the_thin_side_of_a_plate(found):
+    rim = found.kind == SphereFate.RIM
+    assert rim.sum() > 20
+    across = np.cross(found.approach[rim], found.closing_axis[rim])
+    assert np.median(np.abs(across[:, 0])) > 0.99
+
+
+def test_no_candidate_has_more_object_before_the_palm_than_the_hand_encloses(found, plate, hand):
+    # an independent look: the ray from the grasp point back along the approach
+    inside = found.grasp_point
+    way = np.full(len(found), np.inf)
+    half = plate.extents / 2.0
+    for axis in range(3):
+        back = -found.approach[:, axis]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            exit_ = (np.sign(back) * half[axis] - inside[:, axis]) / back
+        way = np.minimum(way, np.where(back == 0.0, np.inf, exit_))
+    # samples are as far apart as the surface's spacing
+    assert way.max() < hand.max_sphere_radius + 0.01
+
+
+def test_published_candidates_reach_deeper_into_the_plate_than_guided_ones_may(plate):
+    # a law of the filter, not of the plate: nothing is free behind a wall
+    wall = plate.copy()
+    points = np.asarray(wall.sample(2000, seed=1))
+    middle = np.zeros((1, 3))
+    along, across = np.array([[0.0, 0.0, 1.0]]), np.array([[1.0, 0.0, 0.0]])
+    assert depth_of_object(points, middle, along, width=0.02)[0] > 0.1
+    assert depth_of_object(points, middle, across, width=0.02)[0] == pytest.approx(0.01)
+
+
+def test_depth_turns_with_the_object():
+    rng = np.random.default_rng(4)
+    points, centers = rng.normal(size=(300, 3)), rng.normal(size=(5, 3))
+    approach = np.eye(3)[[0, 1, 2, 0, 1]]
+    turn = random_rotation(rng)
+    first = depth_of_object(points, centers, approach, width=0.5)
+    second = depth_of_object(points @ turn.T, centers @ turn.T, approach @ turn.T, width=0.5)
+    assert first.max() > 0.5
+    np.testing.assert_allclose(first, second, atol=1e-9)
+
+
+def test_straddling_leaves_candidates_around_axes_alone():
+    axis = medial_axis(trimesh.creation.capsule(0.2, 0.02))
+    published = candidates_from_axis(axis, search_radius=0.03)
+    assert len(published)
+    np.testing.assert_array_equal(straddle(published, axis).approach, published.approach)
+
+
+def test_spread_spheres_lie_farther_apart_than_their_first_ones(found):
+    chosen = spread_candidates(found, 12, np.random.default_rng(0))
+    assert len(chosen) == 12
+    assert len(np.unique(chosen.sphere)) == 12
+    away = np.linalg.norm(chosen.grasp_point[:, None] - chosen.grasp_point[None], axis=2)
+    assert (away + np.eye(12)).min() > 0.015
+
+
+def test_all_candidates_are_taken_when_enough_are_asked_for(found):
+    chosen = spread_candidates(found, len(found), np.random.default_rng(0))
+    assert len(chosen) == len(found)
+    almost = spread_candidates(found, len(found) - 1, np.random.default_rng(0))
+    assert len(almost) == len(found) - 1
+    with pytest.raises(InputError, match="at least one"):
+        spread_candidates(found, 0, np.random.default_rng(0))
+
+
+def test_farthest_first_takes_the_corners_before_the_middle():
+    points = np.array([[0.0, 0, 0], [0.1, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 0]])
+    order = farthest_first(points, 6, np.random.default_rng(1)).tolist()
+    assert sorted(order) == list(range(6))
+    start = np.linalg.norm(points - points[order[0]], axis=1)
+    assert start[order[1]] == start.max()
+
+
+def test_the_search_is_never_worse_than_the_candidate_itself(found, plate, hand):
+    body = mass_properties(plate)
+    tester = power_tester(hand, plate.triangles, Quality(0.5, body.center_mass, body.torque_scale))
+    search = SearchingTester.around(tester, hand)
+    chosen = spread_candidates(found, 5, np.random.default_rng(0))
+    columns = (chosen.grasp_point, chosen.approach, chosen.closing_axis, chosen.radius)
+    for row in zip(*columns, strict=True):
+        plain, searched = tester.test(*row)[0], search.test(*row)[0]
+        assert searched.epsilon >= plain.epsilon
+        np.testing.assert_array_equal(searched.grasp_point, row[0])
+
+
+def test_the_plan_is_the_same_twice_and_in_two_processes(plate, hand):
+    plans = [
+        plan_grasps(
+            plate, hand, planner="medial-plus", max_candidates=5, jobs=jobs,
+            rng=np.random.default_rng(3),
+        )
+        for jobs in (1, 1, 2)
+    ]  # fmt: skip
+    assert len(plans[0]) == 5
+    assert sum(plans[0].sphere_counts.values()) == len(medial_axis(plate))
+    for other in plans[1:]:
+        assert [g.epsilon for g in other.grasps] == [g.epsilon for g in plans[0].grasps]
+        np.testing.assert_array_equal([g.q for g in other.grasps], [g.q for g in plans[0].grasps])
