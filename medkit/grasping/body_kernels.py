@@ -9,13 +9,9 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
-#: Compiled for other kernels only: without the wrappers for Python, which cost compile time.
-inner = njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
-#: The same for leaves that are called by the thousand: a call that hands over a whole struct of
-#: arrays costs more than what the leaf does.
-leaf = njit(cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, forceinline=True)
+from medkit.grasping.kernel_options import entry, inner, leaf
+
 #: Lattice values are off by at most this many spacings between nodes (half a cell's diagonal).
 SLACK = float(np.sqrt(3.0) / 2.0) * (1.0 + 1e-6)
 #: A plane this far [m] above all corners of a triangle is not the nearest of its body.
@@ -99,7 +95,7 @@ def lattice_clearance(field: Any, x: float, y: float, z: float) -> float:
     return low * (1 - a) + high * a - SLACK * h
 
 
-@njit(cache=True)
+@entry
 def point_clearance(field: Any, x: float, y: float, z: float) -> float:
     """`lattice_clearance` for callers outside compiled code."""
     return lattice_clearance(field, x, y, z)
@@ -240,6 +236,18 @@ def _corners_beyond(planes: np.ndarray, f: int, local: np.ndarray, margin: float
         if n0 * local[v, 0] + n1 * local[v, 1] + n2 * local[v, 2] > d:
             out += 1
     return out
+
+
+@leaf
+def parted(
+    field: Any, hand: Any, body: int, face: int, pose: np.ndarray, margin: float, work: Any
+) -> bool:
+    """Whether the plane that parted the last face from this body parts this one too.
+
+    Settles most faces without a call of `clip_to_body`; leaves the face in ``work.local``.
+    """
+    to_link(pose, field.triangles[face], work.local)
+    return _corners_beyond(hand.planes, work.hint[body], work.local, margin) == 3
 
 
 @inner
@@ -406,28 +414,43 @@ def body_hits_object(field: Any, hand: Any, body: int, pose: np.ndarray, work: A
     """Whether some triangle of the object and a body share a point; exact."""
     found = collect_faces(field, hand, body, pose, 0.0, work)
     for e in range(found):
-        to_link(pose, field.triangles[work.faces[e]], work.local)
+        if parted(field, hand, body, work.faces[e], pose, 0.0, work):
+            continue
         if clip_to_body(hand, body, work.local, 0.0, work) > 0:
             return True
     return False
 
 
-@njit(cache=True)
+@entry
 def bodies_gap(
-    hand: Any, a: int, pose_a: np.ndarray, b: int, pose_b: np.ndarray, enough: float
+    hand: Any,
+    a: int,
+    pose_a: np.ndarray,
+    b: int,
+    pose_b: np.ndarray,
+    enough: float,
+    relative: np.ndarray,
 ) -> float:
-    """Least height [m] of samples of each body over the other's planes; `enough` when beyond."""
-    best = _samples_over(hand, a, pose_a, b, pose_b, enough)
-    return _samples_over(hand, b, pose_b, a, pose_a, best)
+    """Least height [m] of samples of each body over the other's planes; `enough` when beyond.
+
+    `relative` (3, 4) or larger is scratch.
+    """
+    best = _samples_over(hand, a, pose_a, b, pose_b, enough, relative)
+    return _samples_over(hand, b, pose_b, a, pose_a, best, relative)
 
 
 @inner
 def _samples_over(
-    hand: Any, a: int, pose_a: np.ndarray, b: int, pose_b: np.ndarray, enough: float
+    hand: Any,
+    a: int,
+    pose_a: np.ndarray,
+    b: int,
+    pose_b: np.ndarray,
+    enough: float,
+    relative: np.ndarray,
 ) -> float:
     """Least height [m] of the samples of body a over the planes of body b."""
     best = enough
-    relative = np.empty((3, 4))
     for i in range(3):
         for j in range(4):
             relative[i, j] = 0.0

@@ -254,8 +254,10 @@ def _partners(hand: Hand, built: ClosingHand) -> tuple[Ints, Ints]:
 
 def _least_gap(built: ClosingHand, a: int, b: int, poses: Floats) -> float:
     links = built.body_link
+    scratch = np.zeros((3, 4))
     return min(
-        float(bodies_gap(built, a, pose[links[a]], b, pose[links[b]], NEVER_NEAR)) for pose in poses
+        float(bodies_gap(built, a, pose[links[a]], b, pose[links[b]], NEVER_NEAR, scratch))
+        for pose in poses
     )
 
 

@@ -10,18 +10,18 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from medkit.grasping.body_kernels import (
     balls_gap,
     bodies_gap,
     clip_to_body,
     collect_part,
-    inner,
     near_part,
+    parted,
     to_link,
     way_out_of_inside,
 )
+from medkit.grasping.kernel_options import entry, inner
 from medkit.robots.kernels import joint_motion
 
 #: How a closing joint stopped.
@@ -40,7 +40,7 @@ SELF_HORIZON = 0.03
 CLEAR = 1e-6
 
 
-@njit(cache=True)
+@entry
 def place_links(hand: Any, q: np.ndarray, base: np.ndarray, work: Any) -> None:
     """Write the poses of all links at `q` with the hand's base at `base` into `work.poses`."""
     for link in range(hand.parent.shape[0]):
@@ -99,7 +99,7 @@ def self_clearance(hand: Any, step: int, enough: float, work: Any) -> float:
                 continue
             pose_b = work.poses[hand.body_link[b]]
             if balls_gap(hand, a, pose_a, b, pose_b) < best:
-                best = min(best, bodies_gap(hand, a, pose_a, b, pose_b, best))
+                best = min(best, bodies_gap(hand, a, pose_a, b, pose_b, best, work.at_joint))
     return best
 
 
@@ -130,15 +130,16 @@ def sweep_faces(
     # improves a few times instead of at every face.
     scatter = SCATTER if found % SCATTER != 0 else 1
     for e in range(found):
-        triangle = field.triangles[work.faces[(e * scatter) % found]]
-        to_link(work.poses[link], triangle, work.local)
+        face = work.faces[(e * scatter) % found]
+        if parted(field, hand, body, face, work.poses[link], 0.0, work):
+            continue
         if clip_to_body(hand, body, work.local, 0.0, work) == 0:
             continue
         low, high = free, best
         for _ in range(HALVINGS):
             middle = 0.5 * (low + high)
             _set_joint(hand, q, base, step, middle, work)
-            to_link(work.poses[link], triangle, work.local)
+            to_link(work.poses[link], field.triangles[face], work.local)
             if clip_to_body(hand, body, work.local, 0.0, work) > 0:
                 high = middle
             else:
@@ -148,7 +149,7 @@ def sweep_faces(
     return best
 
 
-@njit(cache=True)
+@inner
 def advance_joint(
     field: Any, hand: Any, base: np.ndarray, q: np.ndarray, step: int, work: Any
 ) -> int:
@@ -222,7 +223,7 @@ def _stop_before_self(
     _set_joint(hand, q, base, step, low, work)
 
 
-@njit(cache=True)
+@entry
 def retreat(
     field: Any,
     hand: Any,
@@ -284,7 +285,8 @@ def _way_out(field: Any, hand: Any, body: int, approach: np.ndarray, work: Any) 
             along = pose[0, a] * approach[0] + pose[1, a] * approach[1] + pose[2, a] * approach[2]
             work.slope[f] += hand.planes[f, a] * along
     for e in range(found):
-        to_link(pose, field.triangles[work.faces[e]], work.local)
+        if parted(field, hand, body, work.faces[e], pose, 0.0, work):
+            continue
         corners = clip_to_body(hand, body, work.local, 0.0, work)
         for v in range(corners):
             way = 1e9
@@ -298,7 +300,7 @@ def _way_out(field: Any, hand: Any, body: int, approach: np.ndarray, work: Any) 
     return need
 
 
-@njit(cache=True)
+@entry
 def close_fingers(
     field: Any, hand: Any, base: np.ndarray, q: np.ndarray, stops: np.ndarray, work: Any
 ) -> None:

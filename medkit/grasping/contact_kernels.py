@@ -5,15 +5,15 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 
 from medkit.grasping.body_kernels import (
     clip_to_body,
     collect_part,
-    inner,
     near_part,
+    parted,
     to_link,
 )
+from medkit.grasping.kernel_options import entry, inner
 
 #: Columns of a contact row: point (3), inward normal (3), body, gap, face.
 COLUMNS = 9
@@ -115,7 +115,7 @@ def _deepest(spots: np.ndarray, count: int, pose: np.ndarray) -> int:
     return best
 
 
-@njit(cache=True)
+@entry
 def hand_contacts(
     field: Any,
     hand: Any,
@@ -143,6 +143,8 @@ def hand_contacts(
         count = 0
         for e in range(found):
             face = work.faces[e]
+            if parted(field, hand, body, face, pose, tolerance, work):
+                continue
             if (
                 field.normals[face, 0] != 0.0
                 or field.normals[face, 1] != 0.0
