@@ -10,6 +10,7 @@ from scipy.spatial import ConvexHull
 
 from medkit.grasping import plan_power_grasps
 from medkit.meshes import mass_properties, repair_mesh
+from medkit.quality import epsilon
 from medkit.robots import load_hand
 
 FRICTION = 0.5
@@ -98,30 +99,40 @@ def test_contacts_touch_the_link_they_name(planned, hand):
             assert np.sqrt(squared[0]) < 1e-3
 
 
-def qhull_epsilon(points, normals, center, scale):
+def cone_wrenches(points, normals, center, scale):
+    """Eight wrenches a contact, its first edge along the lever arm: docs/decisions/0020."""
     wrenches = []
     for point, normal in zip(points, normals, strict=True):
-        helper = np.eye(3)[np.argmin(np.abs(normal))]
-        first = np.cross(normal, helper)
-        first /= np.linalg.norm(first)
+        arm = point - center
+        along = arm - (arm @ normal) * normal
+        if np.linalg.norm(along) <= 1e-6 * np.linalg.norm(arm):
+            along = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+        first = along / np.linalg.norm(along)
         second = np.cross(normal, first)
-        for angle in np.arange(8) * np.pi / 4:
+        for angle in 2.0 * np.pi * np.arange(8) / 8:
             force = normal + FRICTION * (np.cos(angle) * first + np.sin(angle) * second)
-            wrenches.append(np.r_[force, np.cross(point - center, force) / scale])
-    offsets = -ConvexHull(np.array(wrenches), qhull_options="QJ").equations[:, -1]
-    return max(offsets.min(), 0.0)
+            wrenches.append(np.r_[force, np.cross(arm, force) / scale])
+    return np.array(wrenches)
+
+
+def qhull_epsilon(wrenches):
+    return max(-ConvexHull(wrenches).equations[:, -1].max(), 0.0)
 
 
 def test_epsilon_is_that_of_a_full_convex_hull(planned):
     mesh, found = planned
     body = mass_properties(mesh)
-    checked = 0
-    for grasp in found.grasps:
-        if 3 <= len(grasp.points) <= 8 and checked < 2:
-            value = qhull_epsilon(grasp.points, grasp.normals, body.center_mass, body.torque_scale)
-            # cones start at another edge: two regular octagons differ by at most 1 - cos(pi / 8)
-            assert grasp.epsilon == pytest.approx(value, abs=0.08 * max(value, 0.01))
-            checked += 1
+    place = {"torque_origin": body.center_mass, "torque_scale": body.torque_scale}
+    # Qhull in six dimensions takes seconds for many contacts, so the smallest grasps are taken
+    holding = sorted(np.flatnonzero(found.force_closure), key=lambda k: len(found.grasps[k].points))
+    assert len(holding) >= 3
+    for grasp in (found.grasps[k] for k in holding[:3]):
+        wrenches = cone_wrenches(grasp.points, grasp.normals, *place.values())
+        value = qhull_epsilon(wrenches)
+        ours = epsilon(grasp.points, grasp.normals, friction=FRICTION, edges=8, **place)
+        assert value > 0.0
+        assert ours.lower == pytest.approx(value, abs=1e-9)
+        assert grasp.epsilon == pytest.approx(value, abs=1e-9)
 
 
 def test_some_grasps_of_every_object_hold(planned):
