@@ -89,4 +89,4 @@ def test_candidates_are_arrows_and_bars_of_so_many_spheres(found):
     shown = shown[np.linspace(0, len(shown) - 1, 5).round().astype(int)]
     drawn = np.isin(candidates.sphere, shown)
     assert len(axes.collections) == 1 + len(set(candidates.kind[drawn]))
-    assert arrows(axes) == (3 + 1) * drawn.sum()  # an arrow with two barbs, and a bar
+    assert arrows(axes) == (3 + 3) * drawn.sum()  # shaft and two barbs; a bar has barbs of length 0
