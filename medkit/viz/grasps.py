@@ -48,7 +48,7 @@ SOURCES = {
     SphereFate.BALL: BLUE,
     SphereFate.DOMINANT_SPHERE: BLUE,
 }
-#: Longest edge of a drawn triangle of a hand [m]: small ones are sorted rightly by depth.
+#: Longest edge of a drawn triangle [m]: small ones are sorted rightly by depth.
 EDGE = 0.012
 CM = 100.0
 
@@ -104,7 +104,7 @@ def plot_grasp(
     triangles, colours = _hand_triangles(hand, joints, pose)
     corners = triangles.reshape(-1, 3)
     low, high = corners.min(axis=0), corners.max(axis=0)
-    body = np.asarray(mesh.triangles, dtype=float)
+    body = _small(mesh.vertices, mesh.faces, max(EDGE, 0.03 * float(mesh.extents.max())))
     if around is None:
         low, high = np.minimum(low, mesh.bounds[0]), np.maximum(high, mesh.bounds[1])
     else:
@@ -258,16 +258,21 @@ def _view(rotation: Floats, hand: Hand) -> Floats:
 
 def _hand_triangles(hand: Hand, q: Floats, pose: Floats) -> tuple[Floats, Floats]:
     """Small triangles (n, 3, 3) of all links and their colours (n, 3)."""
-    import trimesh
-
     colours = finger_colours(hand)
     pieces, shades = [], []
     for name, link in hand.link_meshes(q).items():
         link.apply_transform(pose)
-        vertices, faces = trimesh.remesh.subdivide_to_size(link.vertices, link.faces, EDGE)
-        pieces.append(vertices[faces])
+        pieces.append(_small(link.vertices, link.faces, EDGE))
         shades.append(_shaded(pieces[-1], colours.get(name, PALM_COLOUR)))
     return np.concatenate(pieces), np.concatenate(shades)
+
+
+def _small(vertices: Floats, faces: ArrayLike, edge: float) -> Floats:
+    """Triangles (n, 3, 3) with no edge beyond `edge` [m]: large ones hide what is before them."""
+    from trimesh.remesh import subdivide_to_size
+
+    points, pieces = subdivide_to_size(vertices, faces, edge, max_iter=20)
+    return np.asarray(points[pieces], dtype=float)
 
 
 def _shaded(triangles: Floats, colour: str) -> Floats:
