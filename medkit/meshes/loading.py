@@ -63,7 +63,8 @@ def load_mesh(path: str | os.PathLike[str], *, scale: float = 1.0) -> trimesh.Tr
             f"Expected finite vertex coordinates in {file.name}, but {bad} of {len(vertices)}"
             " vertices hold NaN or infinity; export the mesh again."
         )
-    return trimesh.Trimesh(vertices * scale, faces, process=False)
+    # merges the corners that an STL file repeats for every triangle
+    return trimesh.Trimesh(vertices * scale, faces, process=True)
 
 
 def refuse_wrong_scale(mesh: trimesh.Trimesh, *, scale: float = 1.0) -> None:
@@ -106,7 +107,8 @@ def used_part(mesh: trimesh.Trimesh) -> tuple[Any, Any]:
 
 def _read(file: Path) -> tuple[Any, Any]:
     try:
-        scene = trimesh.load_scene(file)
+        # trimesh's own processing would drop vertices that are NaN without a word
+        scene = trimesh.load_scene(file, process=False)
         mesh = scene.to_mesh() if scene.geometry else None
     except Exception as error:
         # every reader of every format raises its own kinds; all mean the same to the user

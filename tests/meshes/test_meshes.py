@@ -204,6 +204,15 @@ def test_files_that_are_no_meshes(tmp_path):
             load_mesh(tmp_path / name)
 
 
+@pytest.mark.parametrize("ending", ["stl", "obj", "off", "ply", "glb"])
+def test_nan_in_a_file_is_named_and_not_dropped_in_silence(tmp_path, ending):
+    mesh = trimesh.Trimesh(box().vertices.copy(), box().faces, process=False)
+    mesh.vertices[0, 0] = np.nan
+    mesh.export(tmp_path / f"nan.{ending}")
+    with pytest.raises(InputError, match="NaN"):
+        load_mesh(tmp_path / f"nan.{ending}")
+
+
 @pytest.mark.parametrize(
     ("edge", "advice"), [(80.0, "0.001"), (12.0, "0.01"), (6.0, "0.0254"), (1e-4, "--scale")]
 )
