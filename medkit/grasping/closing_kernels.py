@@ -252,9 +252,10 @@ def retreat(
         z - way * approach[2],
     )
     place_links(hand, q, base, work)
-    clean, body = 0, 0
+    # a plain 0 is a type of its own, for which all kernels below would be compiled once more
+    clean, turn = 0, np.int64(0)
     while clean < bodies:
-        need = _way_out(field, hand, body, approach, work)
+        need = _way_out(field, hand, turn, approach, work)
         if need > 0.0:
             way += need + CLEAR
             if way > limit:
@@ -266,7 +267,7 @@ def retreat(
             clean = 0
         else:
             clean += 1
-            body = (body + 1) % bodies
+            turn = (turn + 1) % bodies
     return way
 
 

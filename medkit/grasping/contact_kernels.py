@@ -140,7 +140,7 @@ def hand_contacts(
         if near_part(field, hand, body, pose, tolerance, 2.0 * tolerance, work) > tolerance:
             continue
         found = collect_part(field, body, pose, tolerance, work)
-        count = 0
+        count = np.int64(0)  # a plain 0 would compile the callee twice
         for e in range(found):
             face = work.faces[e]
             if parted(field, hand, body, face, pose, tolerance, work):
