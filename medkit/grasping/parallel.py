@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import multiprocessing
+import signal
 from collections.abc import Iterator
+from contextlib import contextmanager
+from multiprocessing import resource_tracker
 from typing import Any
 
 #: Candidates that one process takes at a time.
@@ -14,11 +17,23 @@ _tester: Any = None
 
 def _start(tester_type: Any, parts: dict) -> None:
     global _tester
-    import signal
-
-    # The parent alone reacts to an interrupt; it ends the others.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
     _tester = tester_type.from_parts(parts)
+
+
+@contextmanager
+def _deaf_children() -> Iterator[None]:
+    """Let processes that start in the block ignore an interrupt; the parent ends them."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    # started on demand, the tracker would unblock the signal again
+    resource_tracker.ensure_running()
+    # children inherit what is blocked; an interrupt that comes meanwhile waits for the parent
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _test(row: tuple) -> Any:
@@ -45,5 +60,7 @@ def tested_in_processes(tester: Any, rows: list[tuple], jobs: int) -> Iterator[A
         processes end too.
     """
     context = multiprocessing.get_context("spawn")
-    with context.Pool(jobs, _start, (type(tester), tester.parts())) as pool:
+    with _deaf_children():
+        pool = context.Pool(jobs, _start, (type(tester), tester.parts()))
+    with pool:
         yield from pool.imap(_test, rows, chunksize=CHUNK)
