@@ -31,7 +31,7 @@ book: $(READY)
 
 test: lint
 	$(BIN)/python -m pytest -n $(JOBS) --dist worksteal --doctest-modules medkit tests
-	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile -p no:doctest --nbval --nbval-sanitize-with tests/nbval_sanitize.cfg notebooks
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile -p no:doctest --nbval --nbval-cell-timeout 150 --nbval-sanitize-with tests/nbval_sanitize.cfg notebooks
 
 lab: $(READY)
 	$(BIN)/jupyter lab notebooks/00_start_here.ipynb
