@@ -89,7 +89,10 @@ def _move(
     With all fingers, the hand is shifted so that the thumb's pad keeps its place along `follow`,
     counted from `free_base`, at which `amounts` hold.
     """
-    base[:] = free_base
+    # copied by hand: assigning a slice would need reference counts
+    for row in range(3):
+        for column in range(4):
+            base[row, column] = free_base[row, column]
     if only >= 0:
         set_finger(hand, grip, only, min(amounts[only] + change, grip.end[only]), q)
         place_links(hand, q, base, work)
