@@ -22,7 +22,7 @@ from medkit.grasping import (
     medial_axis,
     sample_surface,
 )
-from medkit.grasping.medial import medial_axis_from_surface
+from medkit.medial.axis import medial_axis_from_surface
 
 create = trimesh.creation
 P13_MS = (6.0, 37.0)  # P13 table 5.6, per sphere, on the hardware of 2013

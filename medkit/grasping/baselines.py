@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from medkit.errors import InputError
 from medkit.geometry import Floats, perpendicular, positive
 from medkit.grasping.candidates import CandidateGrasps
-from medkit.grasping.surface import sample_surface
+from medkit.medial.surface import sample_surface
 from medkit.robots.hand import Hand
 
 #: Candidates aimed at: P13 5.1.3 tests 300 to 500 an object.

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from medkit.errors import InputError
 from medkit.geometry import Floats, nonnegative, perpendicular, positive, unit
-from medkit.grasping.filters import MIN_OBJECT_ANGLE
-from medkit.grasping.grid import MedialSphereGrid
-from medkit.grasping.medial import MedialAxis
 from medkit.grasping.special_solids import ball_directions, opposing_chords
-from medkit.grasping.symmetry import LocalSymmetry, SymmetryKind, local_symmetry
+from medkit.medial.axis import MedialAxis
+from medkit.medial.filters import MIN_OBJECT_ANGLE
+from medkit.medial.grid import MedialSphereGrid
+from medkit.medial.symmetry import LocalSymmetry, SymmetryKind, local_symmetry
 
 Ints = NDArray[np.int64]
 

@@ -22,8 +22,8 @@ from medkit.geometry import Floats
 from medkit.grasping.baselines import fitted_box_candidates, surface_normal_candidates
 from medkit.grasping.candidates import CandidateGrasps, candidates_from_axis
 from medkit.grasping.grasp_set import FORCE_CLOSURE, OUTCOMES, Grasp
-from medkit.grasping.medial import MedialAxis, medial_axis
 from medkit.grasping.planners import TESTERS, Quality, choose_candidates, looked_up, run_candidates
+from medkit.medial.axis import MedialAxis, medial_axis
 from medkit.meshes import mass_properties
 from medkit.robots.hand import Hand
 

@@ -19,9 +19,9 @@ from medkit.errors import InputError
 from medkit.geometry import Floats, unit
 from medkit.grasping.candidates import CandidateGrasps, SphereFate, candidates_from_axis
 from medkit.grasping.grasp_set import Grasp
-from medkit.grasping.medial import MedialAxis, medial_axis
 from medkit.grasping.stopwatch import Stopwatch
-from medkit.grasping.surface import sample_surface
+from medkit.medial.axis import MedialAxis, medial_axis
+from medkit.medial.surface import sample_surface
 from medkit.robots.hand import Hand
 
 if TYPE_CHECKING:

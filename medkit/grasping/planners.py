@@ -15,7 +15,7 @@ import numpy as np
 from medkit.errors import InputError
 from medkit.geometry import Floats, nonnegative
 from medkit.grasping.candidates import CandidateGrasps, candidates_from_axis
-from medkit.grasping.distance_grid import object_field
+from medkit.grasping.closing.object_field import object_field
 from medkit.grasping.grasp_set import (
     FORCE_CLOSURE,
     NOT_FORCE_CLOSURE,
@@ -25,9 +25,9 @@ from medkit.grasping.grasp_set import (
     GraspSet,
     ObjectRecord,
 )
-from medkit.grasping.medial import medial_axis
 from medkit.grasping.power import Contacts, PowerCloser
 from medkit.grasping.stopwatch import Stopwatch
+from medkit.medial.axis import medial_axis
 from medkit.meshes import mass_properties
 from medkit.quality import epsilon
 from medkit.robots.hand import Hand

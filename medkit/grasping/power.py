@@ -1,7 +1,7 @@
 """Power grasps: lay the hand onto a candidate, back off, close, read the contacts (P13 4.6).
 
-Published procedure, with the errors of algorithm 5 as printed put right: `body_kernels` and
-`closing_kernels` hold the compiled pieces, which other closing strategies build on too.
+Published procedure, with the errors of algorithm 5 as printed put right; `closing/` holds the
+compiled pieces, which other closing strategies build on too.
 """
 
 from __future__ import annotations
@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from medkit.geometry import Floats
-from medkit.grasping.body_kernels import Workspace, workspace
-from medkit.grasping.closing_hand import ClosingHand, closing_hand, hand_rotation
-from medkit.grasping.closing_kernels import close_fingers, place_links, retreat
-from medkit.grasping.contact_kernels import COLUMNS, SPOTS, hand_contacts
-from medkit.grasping.distance_grid import ObjectField
+from medkit.grasping.closing.body_kernels import Workspace, workspace
+from medkit.grasping.closing.contact_kernels import COLUMNS, SPOTS, hand_contacts
+from medkit.grasping.closing.finger_kernels import close_fingers, place_links, retreat
+from medkit.grasping.closing.hand_tables import ClosingHand, closing_hand, hand_rotation
+from medkit.grasping.closing.object_field import ObjectField
 from medkit.robots.hand import Hand
 
 #: A face of the object this near [m] to a link of the closed hand touches it: pads give a little.
@@ -84,7 +84,7 @@ class PowerCloser:
     Examples
     --------
     >>> import trimesh
-    >>> from medkit.grasping.distance_grid import object_field
+    >>> from medkit.grasping.closing.object_field import object_field
     >>> from medkit.robots import load_hand
     >>> bar = trimesh.creation.cylinder(0.02, 0.2)
     >>> closer = PowerCloser(load_hand("armar3"), object_field(bar.triangles))

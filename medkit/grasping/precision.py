@@ -14,11 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from medkit.geometry import Floats
-from medkit.grasping.body_kernels import workspace
-from medkit.grasping.closing_hand import ClosingHand, closing_hand, hand_rotation
-from medkit.grasping.closing_kernels import retreat
-from medkit.grasping.contact_kernels import COLUMNS, SPOTS, hand_contacts
-from medkit.grasping.distance_grid import ObjectField, object_field
+from medkit.grasping.closing.body_kernels import workspace
+from medkit.grasping.closing.contact_kernels import COLUMNS, SPOTS, hand_contacts
+from medkit.grasping.closing.finger_kernels import retreat
+from medkit.grasping.closing.hand_tables import ClosingHand, closing_hand, hand_rotation
+from medkit.grasping.closing.object_field import ObjectField, object_field
+from medkit.grasping.closing.pad_kernels import close_pads
 from medkit.grasping.grasp_set import Grasp
 from medkit.grasping.planners import PREGRASP_WAY, Quality, judge
 from medkit.grasping.power import (
@@ -35,7 +36,6 @@ from medkit.grasping.precision_grip import (
     opposing_fingers,
     precision_grip,
 )
-from medkit.grasping.precision_kernels import close_pads
 from medkit.robots.hand import Hand
 
 

@@ -11,8 +11,8 @@ import numpy as np
 
 from medkit.errors import InputError
 from medkit.geometry import Floats, rotation_about, unit
-from medkit.grasping.closing_hand import ClosingHand
-from medkit.grasping.precision_kernels import GripPath
+from medkit.grasping.closing.hand_tables import ClosingHand
+from medkit.grasping.closing.pad_kernels import GripPath
 from medkit.robots.hand import Finger, Hand
 
 #: Opening of the preshape over the diameter of the sphere (P13 5.1.6: k = 2 in 4.30).

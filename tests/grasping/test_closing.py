@@ -9,8 +9,8 @@ import trimesh
 
 from medkit.errors import InputError
 from medkit.grasping import PowerCloser, object_field
-from medkit.grasping.body_kernels import point_clearance
-from medkit.grasping.distance_grid import split_long_edges
+from medkit.grasping.closing.body_kernels import point_clearance
+from medkit.grasping.closing.object_field import split_long_edges
 from medkit.robots import load_hand
 
 APPROACH, ALONG = np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0])

@@ -6,7 +6,7 @@ import pytest
 import trimesh
 
 from medkit.geometry import random_rotation, rotation_about
-from medkit.grasping.distance_grid import object_field
+from medkit.grasping.closing.object_field import object_field
 from medkit.grasping.planners import Quality
 from medkit.grasping.precision import PrecisionCloser, PrecisionTester
 from medkit.grasping.precision_grip import opposing_fingers, precision_grip

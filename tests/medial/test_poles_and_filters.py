@@ -15,10 +15,10 @@ from medkit.grasping import (
     medial_axis_by_poles,
     sample_surface,
 )
-from medkit.grasping.filters import touch_circumradii, uncovered
-from medkit.grasping.medial import sample_tree
-from medkit.grasping.medial_kernels import shrink_balls
-from medkit.grasping.poles import poles_from_surface
+from medkit.medial.axis import sample_tree
+from medkit.medial.axis_kernels import shrink_balls
+from medkit.medial.filters import touch_circumradii, uncovered
+from medkit.medial.poles import poles_from_surface
 
 create = trimesh.creation
 BOX = create.box((0.2, 0.1, 0.05))

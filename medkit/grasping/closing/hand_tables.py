@@ -10,7 +10,7 @@ from scipy.spatial import ConvexHull
 from scipy.stats import qmc
 
 from medkit.geometry import Floats, unit
-from medkit.grasping.body_kernels import bodies_gap
+from medkit.grasping.closing.body_kernels import bodies_gap
 from medkit.robots.hand import Hand, LinkBody
 
 Ints = NDArray[np.int64]

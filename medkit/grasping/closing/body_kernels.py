@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from medkit.grasping.kernel_options import entry, inner, leaf
+from medkit.grasping.closing.kernel_options import entry, inner, leaf
 
 #: Lattice values are off by at most this many spacings between nodes (half a cell's diagonal).
 SLACK = float(np.sqrt(3.0) / 2.0) * (1.0 + 1e-6)

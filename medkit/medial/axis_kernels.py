@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from medkit.grasping.surface_kernels import bucket
+from medkit.medial.surface_kernels import bucket
 
 #: Samples per leaf of the tree: small leaves prune well, large ones cost fewer box tests.
 LEAF_SIZE = 8

@@ -9,7 +9,7 @@ import trimesh
 from medkit.errors import InputError
 from medkit.geometry import apply, random_rotation, transform
 from medkit.grasping import filter_object_angle, medial_axis, sample_surface
-from medkit.grasping.medial import SLACK, medial_axis_from_surface
+from medkit.medial.axis import SLACK, medial_axis_from_surface
 
 create = trimesh.creation
 

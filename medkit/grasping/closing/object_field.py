@@ -15,7 +15,7 @@ from scipy import ndimage
 
 from medkit.errors import InputError
 from medkit.geometry import Floats
-from medkit.grasping.object_kernels import list_cell_faces, splat_distances
+from medkit.grasping.closing.object_kernels import list_cell_faces, splat_distances
 
 #: Finest and coarsest spacing of the lattice [m], and the number of nodes aimed at.
 FINEST, COARSEST, NODES = 0.0025, 0.02, 1_500_000

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from medkit.errors import InputError
 from medkit.geometry import Floats, positive
-from medkit.grasping import surface_kernels as kernels
+from medkit.medial import surface_kernels as kernels
 
 #: Sample distance as a share of the diagonal, when none is given (P13 does not state its own).
 DEFAULT_SPACING = 0.015

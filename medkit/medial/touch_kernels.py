@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from medkit.grasping.medial_kernels import STACK, box_distance2
+from medkit.medial.axis_kernels import STACK, box_distance2
 
 _TOUCHES = 48  # most directions kept per sphere
 

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from medkit.errors import InputError
 from medkit.geometry import Floats, nonnegative, positive
-from medkit.grasping import grid_kernels as kernels
-from medkit.grasping.grid import MedialSphereGrid
+from medkit.medial import grid_kernels as kernels
+from medkit.medial.grid import MedialSphereGrid
 
 RHO_AXIS = 0.01  # P13 4.3: at most this, the centres lie on a symmetry axis
 RHO_PLANE = 0.4  # P13 4.3: at least this, a sphere is inside a symmetry plane

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from medkit.errors import InputError
 from medkit.geometry import Floats, nonnegative
-from medkit.grasping.medial import MedialAxis
+from medkit.medial.axis import MedialAxis
 
 #: P13 4.2.3: spheres below this describe corners and edges rather than thickness [rad].
 MIN_OBJECT_ANGLE = float(np.radians(120.0))

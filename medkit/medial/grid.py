@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from medkit.errors import InputError
 from medkit.geometry import Floats, positive
-from medkit.grasping import grid_kernels as kernels
-from medkit.grasping.medial import MedialAxis
+from medkit.medial import grid_kernels as kernels
+from medkit.medial.axis import MedialAxis
 
 Indices = NDArray[np.int64]
 

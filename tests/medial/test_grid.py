@@ -8,7 +8,7 @@ from hypothesis.extra.numpy import arrays
 
 from medkit.errors import InputError
 from medkit.grasping import MedialAxis, MedialSphereGrid
-from medkit.grasping.grid import cell_indices, cell_layout
+from medkit.medial.grid import cell_indices, cell_layout
 
 
 def axis_of(centers):

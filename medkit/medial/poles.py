@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from scipy.spatial import Delaunay
 
 from medkit.geometry import Floats
-from medkit.grasping.medial import MedialAxis, sample_tree, with_object_angles
-from medkit.grasping.surface import SurfaceSample, sample_surface
+from medkit.medial.axis import MedialAxis, sample_tree, with_object_angles
+from medkit.medial.surface import SurfaceSample, sample_surface
 from medkit.meshes import repair_mesh
 
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from medkit.errors import InputError
 from medkit.geometry import Floats, nonnegative
-from medkit.grasping import medial_kernels as kernels
-from medkit.grasping.surface import SurfaceSample, sample_surface
-from medkit.grasping.touch_kernels import widest_touch
+from medkit.medial import axis_kernels as kernels
+from medkit.medial.surface import SurfaceSample, sample_surface
+from medkit.medial.touch_kernels import widest_touch
 from medkit.meshes import repair_mesh
 
 #: How deep a sample may lie inside a medial sphere, over the spacing: facets and noise.
@@ -93,7 +93,7 @@ def medial_axis(
     Returns
     -------
     MedialAxis
-        Unfiltered: keep stable spheres with the filters of `medkit.grasping.filters`.
+        Unfiltered: keep stable spheres with the filters of `medkit.medial.filters`.
 
     Raises
     ------

@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from medkit.grasping.body_kernels import (
+from medkit.grasping.closing.body_kernels import (
     clip_to_body,
     collect_part,
     near_part,
     parted,
     to_link,
 )
-from medkit.grasping.kernel_options import entry, inner
+from medkit.grasping.closing.kernel_options import entry, inner
 
 #: Columns of a contact row: point (3), inward normal (3), body, gap, face.
 COLUMNS = 9

@@ -7,8 +7,8 @@ from scipy.spatial import cKDTree
 
 from medkit.errors import InputError
 from medkit.grasping import sample_surface
-from medkit.grasping.surface import corner_normals, facet_depth
-from medkit.grasping.surface_kernels import thin_samples
+from medkit.medial.surface import corner_normals, facet_depth
+from medkit.medial.surface_kernels import thin_samples
 
 create = trimesh.creation
 

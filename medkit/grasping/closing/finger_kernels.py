@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from medkit.grasping.body_kernels import (
+from medkit.grasping.closing.body_kernels import (
     balls_gap,
     bodies_gap,
     clip_to_body,
@@ -21,7 +21,7 @@ from medkit.grasping.body_kernels import (
     to_link,
     way_out_of_inside,
 )
-from medkit.grasping.kernel_options import entry, inner
+from medkit.grasping.closing.kernel_options import entry, inner
 from medkit.robots.kernels import joint_motion
 
 #: How a closing joint stopped.

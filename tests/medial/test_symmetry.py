@@ -14,7 +14,7 @@ from medkit.grasping import (
     local_symmetry,
     medial_axis,
 )
-from medkit.grasping.grid_kernels import principal_axes
+from medkit.medial.grid_kernels import principal_axes
 
 create = trimesh.creation
 

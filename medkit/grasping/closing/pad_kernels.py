@@ -1,7 +1,7 @@
 """Compiled closing of a precision grasp: pads stay parallel, the hand follows its thumb.
 
-`field`, `hand`, `work` and `base` are those of `medkit.grasping.closing_kernels`; `grip` is a
-`GripPath`. The amount of finger f says how far its pad has come along its path.
+`field`, `hand`, `work` and `base` are those of `finger_kernels`; `grip` is a `GripPath`. The amount
+of finger f says how far its pad has come along its path.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from medkit.grasping.body_kernels import (
+from medkit.grasping.closing.body_kernels import (
     body_clearance,
     body_hits_object,
     deepest_inside,
     inner,
     moved,
 )
-from medkit.grasping.closing_kernels import SELF_DEPTH, place_links, self_clearance
+from medkit.grasping.closing.finger_kernels import SELF_DEPTH, place_links, self_clearance
 
 #: A step may carry a body at most this share of its least width, so that nothing is jumped over.
 SHARE = 0.6
