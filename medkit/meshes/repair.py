@@ -12,20 +12,27 @@ from dataclasses import dataclass
 import igl
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
 
 from medkit.errors import InputError
 from medkit.geometry import Floats
 from medkit.meshes.loading import used_part
+from medkit.meshes.mends import united, with_fans
 from medkit.meshes.remesh import remesh_by_winding_number
-
-Ints = NDArray[np.int64]
-Surface = tuple[Floats, Ints]
+from medkit.meshes.surfaces import (
+    Ints,
+    Surface,
+    edge_defects,
+    enclosed,
+    face_areas,
+    shell_of_faces,
+    shell_volumes,
+    signed_volume,
+    wrong_side_share,
+)
 
 MERGE_DISTANCE = 1e-7  # share of the diagonal under which two vertices are one
 FLAT_VOLUME = 1e-6  # share of diagonal^3 under which a surface encloses nothing
 CRUMB_VOLUME = 1e-3  # share of the whole volume under which a separate body is dropped
-WRONG_SIDE = 0.3  # how far the winding number may be from 1 inside and 0 outside
 SMALL_HOLES = 0.05  # share of the area that a hole's lid may have
 OPEN_VIEW = 0.10  # share of the area that may see a wrong winding number through holes
 SELF_OVERLAP = 0.005  # share of the area above which a closed surface is remeshed
@@ -115,8 +122,8 @@ def repair_mesh(mesh: trimesh.Trimesh) -> RepairedMesh:
     surface = _closed(surface, repairs)
     surface = _one_body(surface, repairs)
     surface = _without_self_overlap(surface, repairs)
-    if _volume(surface) < FLAT_VOLUME:
-        raise _flat(_volume(surface))
+    if signed_volume(surface) < FLAT_VOLUME:
+        raise _flat(signed_volume(surface))
     body = trimesh.Trimesh(surface[0] * diagonal + middle, surface[1], process=False)
     return RepairedMesh(body, tuple(repairs))
 
@@ -127,7 +134,7 @@ def _clean(vertices: Floats, faces: Ints, repairs: list[str]) -> Surface:
     _, first, label = np.unique(cell, axis=0, return_index=True, return_inverse=True)
     faces = label.reshape(-1)[faces]
     vertices = vertices[first]
-    area = _areas((vertices, faces))
+    area = face_areas((vertices, faces))
     collapsed = (
         (faces[:, 0] == faces[:, 1]) | (faces[:, 1] == faces[:, 2]) | (faces[:, 2] == faces[:, 0])
     )
@@ -149,17 +156,17 @@ def _oriented(surface: Surface, repairs: list[str]) -> Surface:
     vertices, faces = surface
     turned, _ = igl.bfs_orient(faces)
     turned = np.ascontiguousarray(turned.astype(np.int64))
-    shells = _shells(turned)
-    shell_volumes = [_volume((vertices, turned[shells == k])) for k in range(shells.max() + 1)]
-    original_volumes = [_volume((vertices, faces[shells == k])) for k in range(shells.max() + 1)]
+    shells = shell_of_faces(turned)
+    turned_volumes = shell_volumes((vertices, turned), shells)
+    original_volumes = shell_volumes(surface, shells)
     inconsistent = 0
     inverted = 0
-    for k, (volume, original) in enumerate(zip(shell_volumes, original_volumes, strict=True)):
+    for k, (volume, original) in enumerate(zip(turned_volumes, original_volumes, strict=True)):
         mine = shells == k
         changed = int(np.count_nonzero((turned[mine] != faces[mine]).any(axis=1)))
         minority = min(changed, int(mine.sum()) - changed)
         inconsistent += minority
-        cavity = minority == 0 and original < 0.0 and _enclosed(vertices, turned, shells, k)
+        cavity = minority == 0 and original < 0.0 and enclosed(vertices, turned, shells, k)
         if (volume < 0.0) != cavity:
             turned[mine] = turned[mine][:, ::-1]
         inverted += int(minority == 0 and original < 0.0 and not cavity)
@@ -173,22 +180,22 @@ def _oriented(surface: Surface, repairs: list[str]) -> Surface:
 def _closed(surface: Surface, repairs: list[str]) -> Surface:
     """Close small holes by fans; hand what is not manifold to the remesher; refuse the rest."""
     faces = surface[1]
-    border, crowded = _edge_defects(faces)
+    border, crowded = edge_defects(faces)
     if border == 0 and crowded == 0:
         return surface
-    filled = _with_fans(surface)
-    lids = float(_areas((filled[0], filled[1][len(faces) :])).sum() / _areas(surface).sum())
-    wrong = _wrong_side_share(surface)
+    filled = with_fans(surface)
+    lids = float(face_areas((filled[0], filled[1][len(faces) :])).sum() / face_areas(surface).sum())
+    wrong = wrong_side_share(surface)
     if lids > SMALL_HOLES or wrong > OPEN_VIEW:
-        if abs(_volume(surface)) < FLAT_VOLUME:
-            raise _flat(abs(_volume(surface)))
+        if abs(signed_volume(surface)) < FLAT_VOLUME:
+            raise _flat(abs(signed_volume(surface)))
         raise InputError(
             f"Expected a closed surface, but this one is open: {border} edges have a face on one"
             f" side only, the lids they need make {100 * lids:.0f} % of its area, and"
             f" {100 * wrong:.0f} % of it lacks a clear inside;"
             " close or thicken it in a mesh editor."
         )
-    if _edge_defects(filled[1]) == (0, 0):
+    if edge_defects(filled[1]) == (0, 0):
         repairs.append(f"closed small holes with {len(filled[1]) - len(faces)} faces")
         return filled
     repairs.append(
@@ -199,22 +206,18 @@ def _closed(surface: Surface, repairs: list[str]) -> Surface:
 
 def _one_body(surface: Surface, repairs: list[str]) -> Surface:
     """Unite overlapping bodies, swallow shells inside others, drop crumbs, refuse the rest."""
-    vertices, faces = surface
-    shells = _shells(faces)
+    shells = shell_of_faces(surface[1])
     count = int(shells.max()) + 1
     if count == 1:
         return surface
-    cavities = [_volume((vertices, faces[shells == k])) < 0.0 for k in range(count)]
-    solids = [k for k in range(count) if not cavities[k]]
-    if len(solids) > 1:
-        surface = _united(surface, shells, cavities)
-        left = int(_shells(surface[1]).max()) + 1
+    cavities = shell_volumes(surface, shells) < 0.0
+    if np.count_nonzero(~cavities) > 1:
+        surface = united(surface, shells, cavities.tolist())
+        left = int(shell_of_faces(surface[1]).max()) + 1
         if left < count:
             repairs.append(f"united {count} overlapping or nested shells into {left}")
     surface = _without_crumbs(surface, repairs)
-    vertices, faces = surface
-    shells = _shells(faces)
-    volumes = np.array([_volume((vertices, faces[shells == k])) for k in range(shells.max() + 1)])
+    volumes = shell_volumes(surface, shell_of_faces(surface[1]))
     bodies = int(np.count_nonzero(volumes > 0.0))
     if bodies > 1:
         raise InputError(
@@ -225,7 +228,7 @@ def _one_body(surface: Surface, repairs: list[str]) -> Surface:
 
 
 def _without_self_overlap(surface: Surface, repairs: list[str]) -> Surface:
-    share = _wrong_side_share(surface)
+    share = wrong_side_share(surface)
     if share <= SELF_OVERLAP:
         return surface
     repairs.append(f"remeshed {100 * share:.1f} % self-intersecting area by winding number")
@@ -239,41 +242,10 @@ def _remeshed(surface: Surface) -> Surface:
     return vertices, faces
 
 
-def _united(surface: Surface, shells: Ints, cavities: list[bool]) -> Surface:
-    """Boolean union of all solids, minus the cavities."""
-    import manifold3d
-
-    def solid(k: int) -> manifold3d.Manifold:
-        vertices, faces = surface[0], surface[1][shells == k]
-        if cavities[k]:
-            faces = faces[:, ::-1]
-        used, compact = np.unique(faces, return_inverse=True)
-        return manifold3d.Manifold(
-            manifold3d.Mesh64(
-                vert_properties=np.ascontiguousarray(vertices[used]),
-                tri_verts=np.ascontiguousarray(compact.reshape(-1, 3).astype(np.uint64)),
-            )
-        )
-
-    parts = [solid(k) for k in range(len(cavities))]
-    whole = manifold3d.Manifold.batch_boolean(
-        [part for part, cavity in zip(parts, cavities, strict=True) if not cavity],
-        manifold3d.OpType.Add,
-    )
-    for part, cavity in zip(parts, cavities, strict=True):
-        if cavity:
-            whole = whole - part
-    result = whole.to_mesh64()
-    vertices = np.ascontiguousarray(np.asarray(result.vert_properties)[:, :3], dtype=float)
-    faces = np.ascontiguousarray(np.asarray(result.tri_verts).astype(np.int64))
-    return (vertices, faces) if len(faces) else surface
-
-
 def _without_crumbs(surface: Surface, repairs: list[str]) -> Surface:
     vertices, faces = surface
-    shells = _shells(faces)
-    count = int(shells.max()) + 1
-    volumes = np.array([abs(_volume((vertices, faces[shells == k]))) for k in range(count)])
+    shells = shell_of_faces(faces)
+    volumes = np.abs(shell_volumes(surface, shells))
     crumbs = np.flatnonzero(volumes < CRUMB_VOLUME * volumes.max())
     if len(crumbs) == 0:
         return surface
@@ -281,96 +253,6 @@ def _without_crumbs(surface: Surface, repairs: list[str]) -> Surface:
     faces = faces[~np.isin(shells, crumbs)]
     used, compact = np.unique(faces, return_inverse=True)
     return np.ascontiguousarray(vertices[used]), np.ascontiguousarray(compact.reshape(-1, 3))
-
-
-def _with_fans(surface: Surface) -> Surface:
-    """Close every border loop by a fan around its centroid."""
-    vertices, faces = surface
-    new_vertices, new_faces = [vertices], [faces]
-    count = len(vertices)
-    for ring in _border_loops(faces):
-        new_vertices.append(vertices[ring].mean(axis=0, keepdims=True))
-        # a border edge runs with its only face; the new face must run against it
-        new_faces.append(np.column_stack([np.roll(ring, -1), ring, np.full(len(ring), count)]))
-        count += 1
-    return (
-        np.ascontiguousarray(np.vstack(new_vertices)),
-        np.ascontiguousarray(np.vstack(new_faces).astype(np.int64)),
-    )
-
-
-def _border_loops(faces: Ints) -> list[Ints]:
-    """Closed loops of border edges, each running the way of its only face."""
-    edges = np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    base = int(faces.max()) + 1
-    border = edges[~np.isin(edges[:, 0] * base + edges[:, 1], edges[:, 1] * base + edges[:, 0])]
-    onward: dict[int, list[int]] = {}
-    for start, end in border.tolist():
-        onward.setdefault(start, []).append(end)
-    loops = []
-    while onward:
-        ring = [next(iter(onward))]
-        # as many border edges leave a vertex as arrive, so the walk ends where it began
-        while ring[-1] in onward:
-            ends = onward[ring[-1]]
-            ring.append(ends.pop())
-            if not ends:
-                del onward[ring[-2]]
-        loops.append(np.asarray(ring[:-1], dtype=np.int64))
-    return loops
-
-
-def _shells(faces: Ints) -> Ints:
-    return np.asarray(igl.facet_components(faces)[1], dtype=np.int64)
-
-
-def _enclosed(vertices: Floats, faces: Ints, shells: Ints, k: int) -> bool:
-    """Whether shell `k` lies inside some other shell."""
-    others = np.ascontiguousarray(faces[shells != k])
-    if len(others) == 0:
-        return False
-    probe = np.ascontiguousarray(vertices[faces[shells == k][0]].mean(axis=0, keepdims=True))
-    return bool(abs(igl.fast_winding_number(vertices, others, probe)[0]) > 0.5)
-
-
-def _edge_defects(faces: Ints) -> tuple[int, int]:
-    """Count the edges with one face, and those with more than two."""
-    edges = np.sort(np.vstack([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
-    keys = edges[:, 0] * (int(faces.max()) + 1) + edges[:, 1]
-    _, count = np.unique(keys, return_counts=True)
-    return int((count == 1).sum()), int((count > 2).sum())
-
-
-def _wrong_side_share(surface: Surface, most: int = 20_000) -> float:
-    """Share of the area whose winding number is not one inside and zero outside."""
-    vertices, faces = surface
-    if len(faces) > most:
-        chosen = np.linspace(0, len(faces) - 1, most).astype(np.int64)
-    else:
-        chosen = np.arange(len(faces))
-    corners = vertices[faces[chosen]]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    doubled = np.linalg.norm(normals, axis=1)
-    sound = doubled > 0.0
-    corners, normals, doubled = corners[sound], normals[sound], doubled[sound]
-    offset = 1e-4 * normals / doubled[:, None]
-    middle = corners.mean(axis=1)
-    inside = igl.fast_winding_number(vertices, faces, np.ascontiguousarray(middle - offset))
-    outside = igl.fast_winding_number(vertices, faces, np.ascontiguousarray(middle + offset))
-    wrong = (np.abs(inside - 1.0) > WRONG_SIDE) | (np.abs(outside) > WRONG_SIDE)
-    return float(doubled[wrong].sum() / doubled.sum())
-
-
-def _areas(surface: Surface) -> Floats:
-    corners = surface[0][surface[1]]
-    sides = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return np.asarray(0.5 * np.linalg.norm(sides, axis=1))
-
-
-def _volume(surface: Surface) -> float:
-    vertices, faces = surface
-    corners = vertices[faces] - vertices[faces[:1, 0]]
-    return float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0)
 
 
 def _flat(volume: float) -> InputError:
