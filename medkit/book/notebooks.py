@@ -22,6 +22,7 @@ CHAPTERS = {
     "5": "Human-likeness",
     "6": "Handover",
 }
+WIDGET = "application/vnd.jupyter.widget-view+json"
 TIMEOUT = 150  # [s] a cell; a whole chapter is meant to take less than 60
 
 
@@ -135,6 +136,8 @@ def normalised(node: Any) -> Any:
         cell.metadata.pop("ExecuteTime", None)
         if cell.cell_type == "code":
             cell["outputs"] = [o for o in _joined_streams(cell.outputs) if not _is_noise(o)]
+            for output in cell["outputs"]:
+                _without_a_dead_widget(output)
     return node
 
 
@@ -155,6 +158,13 @@ def _joined_streams(outputs: list[Any]) -> list[Any]:
         else:
             joined.append(output)
     return joined
+
+
+def _without_a_dead_widget(output: Any) -> None:
+    """Drop the reference to a widget of a kernel that is gone, where something else is shown."""
+    data = output.get("data", {})
+    if WIDGET in data and set(data) - {WIDGET, "text/plain"}:
+        del data[WIDGET]
 
 
 def _is_noise(output: Any) -> bool:

@@ -12,7 +12,8 @@ from pygments import highlight
 from pygments.formatters import HtmlFormatter
 from pygments.lexers import PythonLexer
 
-WIDGET = "application/vnd.jupyter.widget-view+json"
+from medkit.book.notebooks import WIDGET
+
 #: What a page shows of an output that comes in several forms, best first.
 PREFERENCE = (
     "text/html",
