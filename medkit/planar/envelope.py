@@ -27,7 +27,9 @@ TIE = (1e-13, 1e-11, 1e-10)
 class Sites:
     """Edges and reflex corners of an outline of size one, as struct of arrays.
 
-    Site i below `n` is edge i, site n + k is reflex corner k.
+    Site i below `n` is edge i, site n + k is reflex corner k. `after` is the edge that follows
+    each edge in its loop, `bends` the angle [rad] by which the outline turns on the way there,
+    positive at convex corners.
     """
 
     starts: Floats
@@ -37,6 +39,8 @@ class Sites:
     corners: Floats
     cone_middles: Floats
     cone_widths: Floats
+    after: np.ndarray
+    bends: Floats
 
     @property
     def n(self) -> int:
@@ -47,6 +51,7 @@ class Sites:
 def sites_from_outline(outline: Outline) -> Sites:
     """Collect edges and reflex corners; a convex corner never stops a growing disk."""
     corners, middles, widths = [], [], []
+    after, bends = np.zeros(len(outline.starts), dtype=np.int64), np.zeros(len(outline.starts))
     first = 0
     for loop in outline.loops:
         index = first + np.arange(len(loop))
@@ -59,10 +64,11 @@ def sites_from_outline(outline: Outline) -> Sites:
         corners.append(loop[reflex])
         widths.append(-turn[reflex])
         middles.append(np.arctan2(normal[:, 1], normal[:, 0]) - turn[reflex] / 2)
+        after[incoming], bends[incoming] = outgoing, turn
         first += len(loop)
     return Sites(
         outline.starts, outline.tangents, outline.inward_normals, outline.lengths,
-        np.vstack(corners), np.concatenate(middles), np.concatenate(widths),
+        np.vstack(corners), np.concatenate(middles), np.concatenate(widths), after, bends,
     )  # fmt: skip
 
 
@@ -92,7 +98,8 @@ def seen_from_edge(sites: Sites, i: int) -> Parabolas:
     low, high = np.zeros(sites.n), np.full(sites.n, sites.lengths[i])
     for c0, c1 in ((s0, s1), (sites.lengths - s0, -s1), (q0, q1)):
         low, high = _where_positive(c0, c1, low, high)
-    facing[i] = False
+    near = _neighbours(sites, i)
+    facing[[i, sites.after[i], *np.flatnonzero(sites.after == i)]] = False
     lines = np.flatnonzero(facing & (high - low > TINY))
     x, y = (sites.corners - a) @ t, (sites.corners - a) @ n
     points = np.flatnonzero(y > TINY)
@@ -100,11 +107,32 @@ def seen_from_edge(sites: Sites, i: int) -> Parabolas:
     bent = np.column_stack([(x[points] ** 2 + y[points] ** 2) * half, -2 * x[points] * half, half])
     flat = np.column_stack([q0[lines], q1[lines], np.zeros(len(lines))])
     return Parabolas(
-        np.vstack([flat, bent]),
-        np.concatenate([low[lines], np.zeros(len(points))]),
-        np.concatenate([high[lines], np.full(len(points), sites.lengths[i])]),
-        np.concatenate([lines, sites.n + points]),
+        np.vstack([flat, bent, near.q]),
+        np.concatenate([low[lines], np.zeros(len(points)), near.low]),
+        np.concatenate([high[lines], np.full(len(points), sites.lengths[i]), near.high]),
+        np.concatenate([lines, sites.n + points, near.owner]),
     )
+
+
+def _neighbours(sites: Sites, i: int) -> Parabolas:
+    """Radius at which the disk tangent to edge i meets the edges before and after it.
+
+    Between neighbours nearly in line the general formula divides one rounding error by another;
+    measured from the shared corner the radius is exact whatever the bend.
+    """
+    length, rows = float(sites.lengths[i]), []
+    before, after = int(np.flatnonzero(sites.after == i)[0]), int(sites.after[i])
+    if sites.bends[before] > TINY:
+        slope = 1.0 / np.tan(sites.bends[before] / 2)
+        rows.append((0.0, slope, 0.0, min(length, float(sites.lengths[before])), before))
+    if sites.bends[i] > TINY:
+        slope = 1.0 / np.tan(sites.bends[i] / 2)
+        rows.append(
+            (length * slope, -slope, max(0.0, length - float(sites.lengths[after])), length, after)
+        )
+    table = np.array(rows, dtype=float).reshape(-1, 5)
+    q = np.column_stack([table[:, :2], np.zeros(len(table))])
+    return Parabolas(q, table[:, 2], table[:, 3], table[:, 4].astype(np.int64))
 
 
 def _where_positive(c0: Floats, c1: Floats, low: Floats, high: Floats) -> tuple[Floats, Floats]:

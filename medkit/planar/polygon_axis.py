@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 
 from medkit.geometry import Floats
 from medkit.planar.envelope import (
+    TINY,
     Sites,
     lower_envelope,
     seen_from_corner,
@@ -98,11 +99,22 @@ def disks_on_arcs(sites: Sites, site: Ints, partner: Ints, at: Floats) -> tuple[
     with np.errstate(divide="ignore", invalid="ignore"):
         to_line = depth / (0.5 * ((push - sites.normals[e2]) ** 2).sum(axis=1))
         to_point = (gap**2).sum(axis=1) / (2.0 * (gap * push).sum(axis=1))
+    to_line = np.where(edge & straight, _from_corner(sites, e, e2, at, to_line), to_line)
     radii = np.maximum(np.where(straight, to_line, to_point), 0.0)
     centers = first + radii[:, None] * push
     foot = centers - radii[:, None] * sites.normals[e2]
     second = np.where(straight[:, None], foot, corners[k2])
     return centers, radii, np.stack([first, second], axis=1)
+
+
+def _from_corner(sites: Sites, first: Ints, second: Ints, at: Floats, general: Floats) -> Floats:
+    """Radii between neighbouring edges, measured from their corner; `general` for other pairs."""
+    ahead, behind = sites.after[first] == second, sites.after[second] == first
+    reach = np.where(ahead, sites.lengths[first] - at, at)
+    bend = np.where(ahead, sites.bends[first], sites.bends[second])
+    known = (ahead | behind) & (bend > TINY)
+    slope = np.tan(np.where(known, bend, 1.0) / 2)
+    return np.asarray(np.where(known, reach / slope, general))
 
 
 def polygon_medial_axis(outline: Outline, spacing: float) -> MedialAxis:

@@ -29,6 +29,12 @@ BLOBS = [
 ]
 
 
+def fine_polygon(seed, edges):
+    """A smooth outline as a polygon whose neighbours turn by fractions of a degree, or hardly."""
+    smooth = planar.random_smooth(np.random.default_rng(seed))
+    return Outline((smooth.curve(np.arange(edges) * (2 * np.pi / edges)),), f"fine {seed}")
+
+
 def named(outline):
     return outline.name
 
@@ -51,6 +57,17 @@ def test_graph_has_one_cycle_per_hole_and_is_connected(outline):
     assert nx.is_connected(graph)
     holes = len(outline.loops) - 1
     assert graph.number_of_edges() - graph.number_of_nodes() + 1 == holes
+
+
+@pytest.mark.parametrize("seed", [2, 6])
+def test_a_polygon_of_a_thousand_edges_keeps_its_axis_in_one_piece(seed):
+    outline = fine_polygon(seed, 1000)
+    axis = planar.medial_axis(outline, spacing=0.002)
+    assert nx.is_tree(axis.graph)
+    convex = axis.node_radii[[node for node, degree in axis.graph.degree if degree == 1]]
+    assert convex.max() < 1e-9  # every loose end lies in a corner, none in the middle
+    some = slice(None, None, 40)
+    assert np.abs(outline.distance(axis.centers[some]) - axis.radii[some]).max() < 1e-9
 
 
 @pytest.mark.parametrize("outline", POLYGONS, ids=named)
