@@ -9,7 +9,8 @@ from pathlib import Path
 from tqdm import tqdm
 
 from medkit.book.build import DOCUMENTS, write_book
-from medkit.book.notebooks import Executed, execute_all, find_notebooks, store
+from medkit.book.notebooks import Executed, execute_all, find_notebooks, read, store
+from medkit.book.replay_page import departures, replay_rows
 from medkit.errors import InputError
 
 
@@ -28,6 +29,7 @@ def main() -> int:
         executed = []
         for chapter in tqdm(execute_all(paths, jobs=args.jobs), total=len(paths), unit="notebook"):
             executed.append(chapter)
+            _say_departures(chapter)
             if args.action == "execute":
                 store(chapter)
         if args.action == "build":
@@ -36,6 +38,13 @@ def main() -> int:
         print(f"medkit.book: {error}", file=sys.stderr)
         return 2
     return 0
+
+
+def _say_departures(chapter: Executed) -> None:
+    """Name the verdicts that this execution changed, before they are stored or printed."""
+    before = Executed(chapter.path, read(chapter.path), 0.0)
+    for sentence in departures(replay_rows([before]), replay_rows([chapter])):
+        print(f"medkit.book: a verdict changed: {sentence}", file=sys.stderr)
 
 
 def _build(executed: list[Executed], docs: Path, out: Path) -> None:

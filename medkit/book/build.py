@@ -16,12 +16,12 @@ from typing import Any
 
 from medkit.book.notebooks import Executed, chapter_of
 from medkit.book.pages import code_css, markdown_html, notebook_html, notebook_text
-from medkit.book.replay import MIME
+from medkit.book.replay_page import VERDICTS, Row, replay_html, replay_rows
 
 LIBRARIES = ("numpy", "scipy", "trimesh", "pymunk", "pandas", "statsmodels", "matplotlib")
+REPLAY = "What was reproduced"
 #: Pages written by hand, in `docs/`, that belong to the book.
 DOCUMENTS = ("glossary.md", "notation.md", "references.md", "environment.md")
-VERDICTS = ("reproduced", "better", "worse", "contradicted", "not decided", "cannot be rebuilt")
 
 
 def write_book(executed: Iterable[Executed], documents: list[Path], out: Path) -> Path:
@@ -53,25 +53,11 @@ def write_book(executed: Iterable[Executed], documents: list[Path], out: Path) -
     return out / "index.html"
 
 
-def replay_rows(chapters: list[Executed]) -> list[dict[str, str]]:
-    """Collect what the notebooks' own outputs say was reproduced, with a link to the cell."""
-    rows = []
-    for chapter in chapters:
-        for cell in chapter.node.cells:
-            for output in cell.get("outputs", []):
-                data = output.get("data", {})
-                if MIME in data:
-                    link = f"{chapter.name}.html#{cell.get('id', '')}"
-                    rows.append({**data[MIME], "link": link, "chapter": chapter.title})
-    return rows
-
-
 def _write_pages(chapters: list[Executed], documents: list[Path], draft: Path) -> None:
     titles = {document.stem: _first_heading(document) for document in documents}
     page = _page_maker(chapters, titles)
-    style = files("medkit.book").joinpath("book.css").read_text(encoding="utf-8")
-    script = files("medkit.book").joinpath("search.js").read_text(encoding="utf-8")
-    (draft / "book.css").write_text(style + code_css(), encoding="utf-8")
+    (draft / "book.css").write_text(_shipped("book.css") + code_css(), encoding="utf-8")
+    (draft / "replay.js").write_text(_shipped("replay.js"), encoding="utf-8")
     for previous, chapter, following in _neighbours(chapters):
         body = notebook_html(chapter.node) + _how_computed(chapter) + _steps(previous, following)
         (draft / f"{chapter.name}.html").write_text(page(chapter.title, body), encoding="utf-8")
@@ -82,20 +68,25 @@ def _write_pages(chapters: list[Executed], documents: list[Path], draft: Path) -
             encoding="utf-8",
         )
     rows = replay_rows(chapters)
-    (draft / "replay.html").write_text(page("What was reproduced", _replay(rows)), encoding="utf-8")
+    (draft / "replay.html").write_text(
+        page(REPLAY, replay_html(rows, chapters), "wide"), encoding="utf-8"
+    )
     (draft / "index.html").write_text(page("medkit", _index(chapters, rows)), encoding="utf-8")
-    entries = [
-        {"page": f"{c.name}.html", "title": c.title, "text": notebook_text(c.node)}
-        for c in chapters
-    ] + [
-        {"page": f"{d.stem}.html", "title": titles[d.stem], "text": d.read_text(encoding="utf-8")}
-        for d in documents
-    ]
+    texts = {f"{c.name}.html": (c.title, notebook_text(c.node)) for c in chapters}
+    texts |= {f"{d.stem}.html": (titles[d.stem], d.read_text("utf-8")) for d in documents}
+    texts["replay.html"] = (REPLAY, " ".join(f"{r['source']} {r['quantity']}" for r in rows))
+    entries = [{"page": name, "title": t, "text": text} for name, (t, text) in texts.items()]
     index = json.dumps(entries, ensure_ascii=False).replace("</", "<\\/")
-    (draft / "search.js").write_text(f"const PAGES = {index};\n{script}", encoding="utf-8")
+    (draft / "search.js").write_text(
+        f"const PAGES = {index};\n{_shipped('search.js')}", encoding="utf-8"
+    )
 
 
-def _page_maker(chapters: list[Executed], documents: dict[str, str]) -> Callable[[str, str], str]:
+def _shipped(name: str) -> str:
+    return files("medkit.book").joinpath(name).read_text(encoding="utf-8")
+
+
+def _page_maker(chapters: list[Executed], documents: dict[str, str]) -> Callable[..., str]:
     links = [
         "<a class='home' href='index.html'>medkit</a>",
         "<input id='search' type='search' placeholder='search the book'"
@@ -104,23 +95,23 @@ def _page_maker(chapters: list[Executed], documents: dict[str, str]) -> Callable
     for chapter, group in groupby(chapters, key=lambda c: chapter_of(c.name)):
         links.append(f"<h2>{html.escape(chapter)}</h2>")
         links += [f"<a href='{c.name}.html'>{html.escape(c.title)}</a>" for c in group]
-    links.append("<h2>Beside the chapters</h2><a href='replay.html'>What was reproduced</a>")
+    links.append("<h2>Beside the chapters</h2><a href='replay.html'>" + REPLAY + "</a>")
     links += [f"<a href='{name}.html'>{html.escape(text)}</a>" for name, text in documents.items()]
     navigation = "\n".join(links)
 
-    def page(title: str, body: str) -> str:
+    def page(title: str, body: str, kind: str = "text") -> str:
         return (
             "<!doctype html>\n<html lang='en'><head><meta charset='utf-8'>"
             "<meta name='viewport' content='width=device-width, initial-scale=1'>"
             f"<title>{html.escape(title)}</title><link rel='stylesheet' href='book.css'></head>"
-            f"<body><nav>{navigation}</nav><main>{body}</main>"
+            f"<body><nav>{navigation}</nav><main class='{kind}'>{body}</main>"
             "<script src='search.js'></script></body></html>\n"
         )
 
     return page
 
 
-def _index(chapters: list[Executed], rows: list[dict[str, str]]) -> str:
+def _index(chapters: list[Executed], rows: list[Row]) -> str:
     parts = [
         "<h1>medkit</h1><p class='lead'>Robot grasping and handover, chapter by chapter: every"
         " page below is a notebook that was executed from scratch to make it.</p>"
@@ -141,20 +132,6 @@ def _index(chapters: list[Executed], rows: list[dict[str, str]]) -> str:
             )
         parts.append("</div>")
     return "\n".join(parts)
-
-
-def _replay(rows: list[dict[str, str]]) -> str:
-    heads = ("source", "quantity", "printed", "ours", "interval", "verdict", "note")
-    lines = ["<h1>What was reproduced</h1><p>Every row comes from the stored output of a cell; the"
-             " last column leads there. Data that medkit simulates are called simulated in the"
-             " note.</p><table class='replay-page'><tr>"]  # fmt: skip
-    lines += [f"<th>{head}</th>" for head in heads] + ["<th>cell</th></tr>"]
-    for row in sorted(rows, key=lambda row: row["source"]):
-        kind = row["verdict"].replace(" ", "-")
-        cells = "".join(f"<td>{html.escape(row[head])}</td>" for head in heads)
-        link = f"<a href='{row['link']}'>{html.escape(row['chapter'])}</a>"
-        lines.append(f"<tr class='{kind}'>{cells}<td>{link}</td></tr>")
-    return "".join(lines) + "</table>"
 
 
 def _how_computed(chapter: Executed) -> str:

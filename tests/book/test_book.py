@@ -8,10 +8,11 @@ import nbformat
 import pytest
 
 from medkit.book import replay, replay_missing, replay_statement
-from medkit.book.build import replay_rows, write_book
+from medkit.book.build import write_book
 from medkit.book.notebooks import Executed, chapter_of, execute, find_notebooks, normalised
 from medkit.book.pages import markdown_html, notebook_html
 from medkit.book.replay import MIME
+from medkit.book.replay_page import replay_rows
 from medkit.errors import InputError
 
 

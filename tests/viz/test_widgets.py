@@ -1,4 +1,4 @@
-"""Controls and picture in one line: moves redraw, stored notebooks keep a still, errors are said."""
+"""Controls and picture in one line: moves redraw, stored pages keep a still, errors are said."""
 
 import base64
 import io
