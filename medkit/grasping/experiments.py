@@ -7,90 +7,44 @@ import json
 import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 import trimesh
-from statsmodels.stats.proportion import proportion_confint
 
 from medkit.errors import InputError
 from medkit.files import cache_folder, write_text
 from medkit.geometry import Floats
-from medkit.grasping.baselines import fitted_box_candidates, surface_normal_candidates
 from medkit.grasping.candidates import CandidateGrasps, candidates_from_axis
-from medkit.grasping.grasp_set import FORCE_CLOSURE, OUTCOMES, Grasp
-from medkit.grasping.planners import TESTERS, Quality, choose_candidates, looked_up, run_candidates
+from medkit.grasping.grasp_set import OUTCOMES, Grasp
+from medkit.grasping.parallel import in_processes
+from medkit.grasping.planners import (
+    CANDIDATE_SOURCES,
+    CHOOSERS,
+    REFINERS,
+    TESTERS,
+    Quality,
+    choose_candidates,
+    looked_up,
+    radii_for,
+    run_candidates,
+)
+from medkit.grasping.settings import EXPERIMENTS as EXPERIMENTS
+from medkit.grasping.settings import Experiment as Experiment
+from medkit.grasping.settings import Setting
+from medkit.grasping.stopwatch import Stopwatch
+from medkit.grasping.yields import failure_reasons as failure_reasons
+from medkit.grasping.yields import mean_yields as mean_yields
+from medkit.grasping.yields import yield_table as yield_table
 from medkit.medial.axis import MedialAxis, medial_axis
 from medkit.meshes import mass_properties
 from medkit.robots.hand import Hand
 
-#: The planners that are compared, and P13's names for two of them.
-PRINTED_PLANNERS = {"medial": "MAT", "normals": "Berenson07"}
 FRICTION = 0.5  # P13 5.1.3
-
-
-@dataclass(frozen=True)
-class Setting:
-    """One column of a table: a planner, the kind of grasp, and the medial planner's parameters."""
-
-    planner: str
-    grasp: str = "power"
-    search_radius: float = 0.03
-    min_radius_ratio: float = 0.0
-
-
-@dataclass(frozen=True)
-class Experiment:
-    """Objects (name, scale) and settings of one of P13's experiments."""
-
-    title: str
-    objects: tuple[tuple[str, float], ...]
-    settings: tuple[Setting, ...]
-
-
-_LARGE = ("glasses", "ant", "chair", "fish_large", "bird", "figure", "bust", "amphora", "teapot",
-          "giraffe")  # fmt: skip
-_HAND = ("clown", "elephant", "fish", "gnome", "dog", "sitting_cat", "lying_cat", "moon", "seal",
-         "star")  # fmt: skip
-_PRECISION = (("clown", 1.0), ("elephant", 1.0), ("fish", 1.0), ("moon", 1.0), ("seal", 1.0),
-              ("glasses", 0.25), ("giraffe", 0.25))  # fmt: skip
-#: P13 5.1.4 to 5.1.6, with the box baseline beside.
-EXPERIMENTS = {
-    1: Experiment(
-        "power grasps, large objects",
-        tuple((name, 1.0) for name in _LARGE),
-        (Setting("medial", "power", 0.06), Setting("normals"), Setting("boxes")),
-    ),
-    2: Experiment(
-        "power grasps, hand-sized objects",
-        tuple((name, 1.0) for name in _HAND),
-        (
-            *(
-                Setting("medial", "power", radius, ratio)
-                for radius in (0.01, 0.03)
-                for ratio in (0.0, 0.3, 0.5, 0.7)
-            ),
-            Setting("normals"),
-            Setting("boxes"),
-        ),
-    ),
-    3: Experiment(
-        "precision grasps",
-        _PRECISION,
-        (
-            *(
-                Setting("medial", "precision", radius, ratio)
-                for radius in (0.01, 0.03)
-                for ratio in (0.0, 0.3)
-            ),
-            Setting("normals", "precision"),
-            Setting("boxes", "precision"),
-        ),
-    ),
-}
 
 
 class ObjectBench:
@@ -121,42 +75,57 @@ class ObjectBench:
             self._axis = medial_axis(self.mesh)
         return self._axis
 
-    def tester(self, grasp: str) -> Any:
-        """What closes and judges grasps of a kind, prepared at the first need."""
+    def tester(self, grasp: str, planner: str = "medial") -> Any:
+        """What closes and judges grasps of a kind as a planner does; prepared at the first need."""
         if grasp not in self._testers:
             make = looked_up(TESTERS, grasp, "kind of grasp")
             triangles = np.asarray(self.mesh.triangles, dtype=float)
             self._testers[grasp] = make(self.hand, triangles, self.quality)
-        return self._testers[grasp]
+        tester = self._testers[grasp]
+        if planner in REFINERS:
+            return looked_up(REFINERS, planner, "planner")(tester, self.hand)
+        return tester
 
     def candidates(self, setting: Setting) -> CandidateGrasps:
-        """All candidates of a setting."""
+        """All candidates of a setting, as `plan_grasps` would have them."""
         if setting.planner == "medial":
-            # Pads hold what a closing fist cannot: the least radius is for power grasps only.
-            least = self.hand.min_sphere_radius if setting.grasp == "power" else 0.0
             return candidates_from_axis(
                 self.axis,
                 search_radius=setting.search_radius,
                 min_radius_ratio=setting.min_radius_ratio,
-                hand_radii=(least, self.hand.max_sphere_radius),
+                hand_radii=radii_for(self.hand, setting.grasp),
             )
-        if setting.planner == "normals":
-            return surface_normal_candidates(self.mesh)
-        if setting.planner == "boxes":
-            return fitted_box_candidates(self.mesh)
-        raise InputError(
-            f"Expected a planner medial, normals or boxes, but got {setting.planner!r};"
-            " name one of them."
+        source = looked_up(CANDIDATE_SOURCES, setting.planner, "planner")
+        found: CandidateGrasps = source(
+            self.mesh,
+            self.hand,
+            grasp=setting.grasp,
+            search_radius=setting.search_radius,
+            min_radius_ratio=setting.min_radius_ratio,
+            watch=Stopwatch(),
         )
+        return found
+
+    def chosen(
+        self, setting: Setting, *, most: int | None, rng: np.random.Generator
+    ) -> CandidateGrasps:
+        """At most so many candidates of a setting, drawn as its planner draws them."""
+        found = self.candidates(setting)
+        if setting.planner in CHOOSERS:
+            drawn: CandidateGrasps = looked_up(CHOOSERS, setting.planner, "planner")(
+                found, most, rng
+            )
+            return drawn
+        return choose_candidates(found, most, rng)
 
     def grasps(
         self, setting: Setting, *, most: int | None, rng: np.random.Generator
     ) -> tuple[list[Grasp], Floats]:
         """Tested grasps of a setting, at most so many, and the time each took [s]."""
-        chosen = choose_candidates(self.candidates(setting), most, rng)
+        chosen = self.chosen(setting, most=most, rng=rng)
         found, spent = [], []
         begin = time.process_time()
-        for grasp, _ in run_candidates(self.tester(setting.grasp), chosen):
+        for grasp, _ in run_candidates(self.tester(setting.grasp, setting.planner), chosen):
             found.append(grasp)
             spent.append(time.process_time() - begin)
         return found, np.diff(np.asarray([0.0, *spent]))
@@ -191,8 +160,8 @@ def run_object(
     Returns
     -------
     list of dict
-        Setting, number of candidates found and tested, count of each outcome, median processor
-        time of a test [s].
+        Setting, number of candidates tested, count of each outcome, median processor time of a
+        test [s].
     """
     bench = ObjectBench(mesh, hand, friction=friction)
     rows = []
@@ -215,6 +184,7 @@ def run_experiment(
     seed: int = 0,
     friction: float = FRICTION,
     cache: bool = True,
+    jobs: int = 1,
     progress: Callable[[str], None] | None = None,
 ) -> pd.DataFrame:
     """Test many objects with the same settings; a finished object is not tested again.
@@ -233,94 +203,46 @@ def run_experiment(
         See `run_object`.
     cache : bool
         Keep each object's counts in the user's cache, so that an interrupted run goes on where it
-        stopped. The key covers mesh, hand, settings and the planner's own code.
+        stopped. The key covers mesh, hand, settings and the code that plans.
+    jobs : int
+        Objects tested at a time, each in a process of its own; the counts do not depend on it.
     progress : callable, optional
-        Called with the name of each object before it is tested.
+        Called with the name of each object when its counts are there, in the order given.
 
     Returns
     -------
     pandas.DataFrame
         One row for each object and setting: see `run_object`; ``object`` is the name.
     """
-    pairs = objects.items() if isinstance(objects, Mapping) else objects
+    pairs = list(objects.items() if isinstance(objects, Mapping) else objects)
+    if not pairs:
+        raise InputError("Expected at least one object, but got none; pass names and meshes.")
+    asked = {"most": candidates_per_object, "seed": seed, "friction": friction}
+    tasks = [(mesh.vertices, mesh.faces, hand, settings, asked, cache) for _, mesh in pairs]
+    found = in_processes(_counted, tasks, jobs) if jobs > 1 else map(_counted, tasks)
     frames = []
-    for name, mesh in pairs:
+    for (name, _), rows in zip(pairs, found, strict=True):
+        frames.append(pd.DataFrame(rows).assign(object=name))
         if progress is not None:
             progress(name)
-        asked = {"most": candidates_per_object, "seed": seed, "friction": friction}
-        path = _cache_file(mesh, hand, settings, asked) if cache else None
-        rows = _stored(path)
-        if rows is None:
-            rows = run_object(
-                mesh, hand, settings,
-                candidates_per_object=candidates_per_object, seed=seed, friction=friction,
-            )  # fmt: skip
-            if path is not None:
-                with suppress(InputError, OSError):
-                    write_text(path, json.dumps(rows))
-        frames.append(pd.DataFrame(rows).assign(object=name))
-    if not frames:
-        raise InputError("Expected at least one object, but got none; pass names and meshes.")
     return pd.concat(frames, ignore_index=True)
 
 
-COLUMNS = ["planner", "grasp", "search_radius", "min_radius_ratio"]
-
-
-def yield_table(results: pd.DataFrame) -> pd.DataFrame:
-    """Yield of every object and setting with its Wilson interval.
-
-    Parameters
-    ----------
-    results : pandas.DataFrame
-        From `run_experiment`.
-
-    Returns
-    -------
-    pandas.DataFrame
-        ``yield_pct``, ``low_pct``, ``high_pct`` [%] (95 %) and ``tested``.
-    """
-    low, high = proportion_confint(
-        results[FORCE_CLOSURE].to_numpy(), np.maximum(results.tested.to_numpy(), 1), method="wilson"
-    )
-    table = results[["object", *COLUMNS, "tested"]].copy()
-    table["yield_pct"] = 100.0 * results[FORCE_CLOSURE] / results.tested.where(results.tested > 0)
-    table["low_pct"], table["high_pct"] = 100.0 * low, 100.0 * high
-    return table
-
-
-def mean_yields(
-    results: pd.DataFrame, *, rng: np.random.Generator, resamples: int = 2000
-) -> pd.DataFrame:
-    """Mean over objects of the yield of each setting, with a bootstrap interval over objects.
-
-    Parameters
-    ----------
-    results : pandas.DataFrame
-        From `run_experiment`.
-    rng : numpy.random.Generator
-        Draws the resamples.
-    resamples : int
-        How many.
-
-    Returns
-    -------
-    pandas.DataFrame
-        One row a setting: ``yield_pct``, ``low_pct``, ``high_pct`` [%] (95 %), ``objects``.
-    """
-    rows = []
-    for key, part in yield_table(results).dropna(subset="yield_pct").groupby(COLUMNS, sort=False):
-        values = part.yield_pct.to_numpy()
-        means = values[rng.integers(0, len(values), (resamples, len(values)))].mean(axis=1)
-        low, high = np.percentile(means, [2.5, 97.5])
-        rows.append([*key, values.mean(), low, high, len(values)])
-    return pd.DataFrame(rows, columns=[*COLUMNS, "yield_pct", "low_pct", "high_pct", "objects"])
-
-
-def failure_reasons(results: pd.DataFrame) -> pd.DataFrame:
-    """Share of each outcome among the tested candidates of each setting [%], rows adding to 100."""
-    counts = results.groupby(COLUMNS, sort=False)[list(OUTCOMES)].sum()
-    return 100.0 * counts.div(counts.sum(axis=1), axis=0)
+def _counted(task: tuple) -> list[dict[str, Any]]:
+    """Rows of one object, from the cache or by testing; what a process runs."""
+    vertices, faces, hand, settings, asked, cache = task
+    mesh = trimesh.Trimesh(vertices, faces, process=False)
+    path = _cache_file(mesh, hand, settings, asked) if cache else None
+    rows = _stored(path)
+    if rows is None:
+        rows = run_object(
+            mesh, hand, settings, candidates_per_object=asked["most"], seed=asked["seed"],
+            friction=asked["friction"],
+        )  # fmt: skip
+        if path is not None:
+            with suppress(InputError, OSError):
+                write_text(path, json.dumps(rows))
+    return rows
 
 
 def _cache_file(
@@ -333,13 +255,23 @@ def _cache_file(
     for preshape in sorted(hand.preshapes):
         digest.update(np.ascontiguousarray(hand.preshapes[preshape]).tobytes())
     digest.update(json.dumps([[asdict(s) for s in settings], dict(asked)]).encode())
-    here = Path(__file__).parent
-    for source in sorted([*here.glob("*.py"), *(here.parent / "quality").glob("*.py")]):
-        digest.update(source.read_bytes())
+    digest.update(_code_digest())
     try:
         return cache_folder("experiments") / f"{digest.hexdigest()[:24]}.json"
     except OSError:
         return None
+
+
+@lru_cache(maxsize=1)
+def _code_digest() -> bytes:
+    """Hash of every file of code that a count can depend on, as it was when first asked for."""
+    package = Path(__file__).parents[1]
+    rooms = ("grasping", "medial", "quality", "robots", "meshes")
+    found = [source for room in rooms for source in (package / room).rglob("*.py")]
+    digest = hashlib.sha256()
+    for source in sorted([*found, package / "contacts.py", package / "geometry.py"]):
+        digest.update(source.read_bytes())
+    return digest.digest()
 
 
 def _stored(path: Path | None) -> list[dict[str, Any]] | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import multiprocessing
 import signal
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
 from typing import Any
@@ -59,8 +59,40 @@ def tested_in_processes(tester: Any, rows: list[tuple], jobs: int) -> Iterator[A
         One result per row. When the walk ends early, by an interrupt or an error, the
         processes end too.
     """
+    yield from in_processes(_test, rows, jobs, chunk=CHUNK, start=(type(tester), tester.parts()))
+
+
+def in_processes(
+    function: Callable[[Any], Any],
+    tasks: Sequence[Any],
+    jobs: int,
+    *,
+    chunk: int = 1,
+    start: tuple[Any, dict] | None = None,
+) -> Iterator[Any]:
+    """Results of a function of a module for every task, in order, from new processes.
+
+    Parameters
+    ----------
+    function : callable
+        What a process runs for each task; both travel by name or by pickle.
+    tasks : sequence
+        Its arguments.
+    jobs : int
+        Number of processes.
+    chunk : int
+        Tasks that a process takes at a time.
+    start : tuple of class and dict, optional
+        Tester that each process builds at its start, for `tested_in_processes`.
+
+    Yields
+    ------
+    object
+        One result per task. When the walk ends early, by an interrupt or an error, the
+        processes end too.
+    """
     context = multiprocessing.get_context("spawn")
     with _deaf_children():
-        pool = context.Pool(jobs, _start, (type(tester), tester.parts()))
+        pool = context.Pool(jobs, _start if start else None, start or ())
     with pool:
-        yield from pool.imap(_test, rows, chunksize=CHUNK)
+        yield from pool.imap(function, tasks, chunksize=chunk)

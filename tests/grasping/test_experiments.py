@@ -18,6 +18,7 @@ from medkit.grasping.experiments import (
     yield_table,
 )
 from medkit.grasping.grasp_set import OUTCOMES
+from medkit.grasping.planners import plan_grasps
 from medkit.robots import load_hand
 
 HAND = load_hand("wsg50")
@@ -91,11 +92,42 @@ def test_the_three_experiments_have_the_objects_and_columns_of_the_thesis():
     assert [len(EXPERIMENTS[k].objects) for k in (1, 2, 3)] == [10, 10, 7]
     medial = [[s for s in EXPERIMENTS[k].settings if s.planner == "medial"] for k in (1, 2, 3)]
     assert [len(settings) for settings in medial] == [1, 8, 4]
+    improved = [
+        [s for s in EXPERIMENTS[k].settings if s.planner == "medial-plus"] for k in EXPERIMENTS
+    ]
+    assert [len(settings) for settings in improved] == [1, 4, 2]
     assert medial[0][0].search_radius == 0.06
+
+
+@pytest.mark.parametrize("grasp", ["power", "precision"])
+@pytest.mark.parametrize("planner", ["medial", "medial-plus", "normals", "boxes"])
+def test_an_experiment_tests_what_the_planner_would_plan(planner, grasp):
+    setting = Setting(planner, grasp, 0.03, 0.5)
+    tested, _ = ObjectBench(BAR, HAND).grasps(setting, most=4, rng=np.random.default_rng(2))
+    planned = plan_grasps(
+        BAR, HAND, grasp=grasp, planner=planner, search_radius=0.03, min_radius_ratio=0.5,
+        max_candidates=4, rng=np.random.default_rng(2),
+    )  # fmt: skip
+    assert [g.outcome for g in tested] == [g.outcome for g in planned.grasps]
+    assert [g.epsilon for g in tested] == [g.epsilon for g in planned.grasps]
+    for one, other in zip(tested, planned.grasps, strict=True):
+        assert np.array_equal(one.pose, other.pose)
+
+
+def test_objects_in_two_processes_give_the_serial_counts(tmp_path, monkeypatch):
+    monkeypatch.setenv("MEDKIT_CACHE", str(tmp_path))
+    pair = {"bar": BAR, "ball": trimesh.creation.icosphere(2, 0.02)}
+    ask = {"candidates_per_object": 3, "cache": False}
+    names = []
+    serial = run_experiment(pair, HAND, SETTINGS[1:2], **ask)
+    both = run_experiment(pair, HAND, SETTINGS[1:2], jobs=2, progress=names.append, **ask)
+    columns = ["object", "tested", *OUTCOMES]
+    pd.testing.assert_frame_equal(both[columns], serial[columns])
+    assert names == ["bar", "ball"]
 
 
 def test_no_object_and_no_planner_are_refused():
     with pytest.raises(InputError, match="at least one object"):
         run_experiment({}, HAND, SETTINGS, candidates_per_object=1)
-    with pytest.raises(InputError, match="medial, normals or boxes"):
+    with pytest.raises(InputError, match="Expected a planner"):
         ObjectBench(BAR, HAND).candidates(Setting("guess"))
