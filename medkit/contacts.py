@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from math import isfinite
 from typing import Any, Literal
 
 import numpy as np
@@ -70,10 +71,20 @@ class Contacts:
     friction: Floats
 
     def __init__(self, points: ArrayLike, normals: ArrayLike, friction: ArrayLike) -> None:
-        checked = _checked_points(points)
-        object.__setattr__(self, "points", checked)
-        object.__setattr__(self, "normals", _checked_normals(normals, checked))
-        object.__setattr__(self, "friction", _checked_friction(friction, len(checked)))
+        places = np.array(points, dtype=float, order="C")
+        inward = np.array(normals, dtype=float, order="C")
+        roughness = np.asarray(friction, dtype=float)
+        fits = places.ndim == 2 and inward.shape == places.shape and roughness.ndim == 0
+        spread = np.empty(len(places) if fits else 0)
+        spread[:] = roughness if fits else 0.0
+        # one compiled look at all numbers; only what fails it pays for the checks that explain
+        if not (fits and len(places) and _sound(places, inward, spread)):
+            _refuse_points(places)
+            _refuse_normals(inward, places)
+            spread = _spread_friction(roughness, len(places))
+        object.__setattr__(self, "points", places)
+        object.__setattr__(self, "normals", inward)
+        object.__setattr__(self, "friction", spread)
 
     def __len__(self) -> int:
         return len(self.points)
@@ -306,40 +317,54 @@ def check_model(contact: Any) -> None:
 
 def checked_origin(torque_origin: ArrayLike, dimension: int) -> Floats:
     """Check the point torques are taken about and return it as floats, shape (dimension,)."""
-    return points_array(
-        np.reshape(np.asarray(torque_origin, dtype=float), (1, -1)), dimension, "torque_origin"
-    )[0]
+    origin = np.array(torque_origin, dtype=float)
+    if origin.shape == (dimension,) and isfinite(origin.sum()):
+        return origin
+    return points_array(origin.reshape(1, -1), dimension, "torque_origin")[0]
 
 
-def _checked_points(points: ArrayLike) -> Floats:
-    array = np.asarray(points, dtype=float)
-    if array.ndim != 2 or array.shape[1] not in (2, 3):
+@njit(cache=True, error_model="numpy")
+def _sound(points, normals, friction):  # type: ignore[no-untyped-def]
+    """Whether all numbers are finite, normals of length one, friction zero or more."""
+    if points.shape[1] != 2 and points.shape[1] != 3:
+        return False
+    for i in range(points.shape[0]):
+        square = 0.0
+        for a in range(points.shape[1]):
+            if not np.isfinite(points[i, a]):
+                return False
+            square += normals[i, a] * normals[i, a]
+        if not (abs(square - 1.0) <= 2.0 * UNIT_TOLERANCE and 0.0 <= friction[i] < np.inf):
+            return False
+    return True
+
+
+def _refuse_points(points: Floats) -> None:
+    if points.ndim != 2 or points.shape[1] not in (2, 3):
         raise InputError(
-            f"Expected points of shape (n, 2) or (n, 3), but got shape {array.shape};"
+            f"Expected points of shape (n, 2) or (n, 3), but got shape {points.shape};"
             " pass one row of coordinates per contact."
         )
-    return np.ascontiguousarray(points_array(array, array.shape[1]))
+    points_array(points, points.shape[1])
 
 
-def _checked_normals(normals: ArrayLike, points: Floats) -> Floats:
-    array = points_array(normals, points.shape[1], "normals")
-    if len(array) != len(points):
+def _refuse_normals(normals: Floats, points: Floats) -> None:
+    points_array(normals, points.shape[1], "normals")
+    if len(normals) != len(points):
         raise InputError(
-            f"Expected one normal per point, but got {len(array)} normals for"
+            f"Expected one normal per point, but got {len(normals)} normals for"
             f" {len(points)} points; pass as many as points."
         )
-    off = np.abs((array * array).sum(axis=1) - 1.0)
+    off = np.abs((normals * normals).sum(axis=1) - 1.0)
     if len(off) and off.max() > 2.0 * UNIT_TOLERANCE:
         worst = int(off.argmax())
         raise InputError(
             f"Expected normals of length one, but row {worst} has length"
-            f" {np.linalg.norm(array[worst]):.6g}; divide each normal by its length."
+            f" {np.linalg.norm(normals[worst]):.6g}; divide each normal by its length."
         )
-    return np.ascontiguousarray(array)
 
 
-def _checked_friction(friction: ArrayLike, n: int) -> Floats:
-    array = np.asarray(friction, dtype=float)
+def _spread_friction(array: Floats, n: int) -> Floats:
     if array.ndim > 1 or (array.ndim == 1 and len(array) != n):
         raise InputError(
             f"Expected one friction coefficient or one for each of {n} contacts, but got shape"

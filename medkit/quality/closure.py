@@ -81,10 +81,7 @@ def is_force_closure(
         patch_radius=patch_radius,
     )  # fmt: skip
     profile = cone_profile(contacts.dimension, contact, edges)
-    grown = expand(
-        cones, np.array([0, len(contacts)]), profile, total=False, gap=LINEAR_GAP, closure_only=True
-    )
-    return bool(grown.lower[0] > 0.0)
+    return expand(cones, profile, total=False, gap=LINEAR_GAP, closure_only=True).lower > 0.0
 
 
 def is_form_closure(points: ArrayLike, normals: ArrayLike) -> bool:

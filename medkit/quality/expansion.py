@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,33 +22,29 @@ CAPACITIES = (2**13, 2**15, 2**18)
 #: facets in one plane exactly or not at all; those that nearly do so need a second opinion.
 SIGHTS = (1e-10, 1e-12, 3e-10, 1e-13, 1e-9, 1e-14)
 
-# Scratch memory is kept, one per thread: fresh pages would cost more than a small grasp does.
-_kept = threading.local()
+
+class _Kept(threading.local):
+    """Scratch memory, one per thread: fresh pages would cost more than a small grasp does."""
+
+    def __init__(self) -> None:
+        self.rooms: dict[int, kernels.Workspace] = {}
 
 
-@dataclass(frozen=True)
-class Expansion:
-    """What the kernel found for each of g grasps.
+_kept = _Kept()
 
-    ``statuses`` (g,) as numbered in the kernel, ``points_added`` (g,), ``lower`` and ``upper``
-    (g,) bounds of the radius, 0.0 without a ball, ``weakest`` (g, D) directions of the upper bound.
-    """
 
-    statuses: NDArray[np.int64]
-    points_added: NDArray[np.int64]
-    lower: Floats
-    upper: Floats
+class Expansion(NamedTuple):
+    """What the kernel found for a grasp: bounds of the radius, 0.0 without a ball."""
+
+    lower: float
+    upper: float
     weakest: Floats
-
-    @property
-    def converged(self) -> NDArray[np.bool_]:
-        """For which grasps the bounds met, shape (g,)."""
-        return (self.statuses != kernels.FULL) & (self.statuses != kernels.FAILED)
+    points_added: int
+    converged: bool
 
 
 def expand(
     cones: WrenchCones,
-    starts: NDArray[np.int64],
     profile: Floats,
     *,
     total: bool,
@@ -56,47 +52,52 @@ def expand(
     closure_only: bool = False,
     tolerance: float = CLOSURE_TOLERANCE,
 ) -> Expansion:
-    """Expand the polytope of each grasp, which owns contacts ``starts[g]`` to ``starts[g + 1]``."""
-    count, dimension = len(starts) - 1, cones.centers.shape[1]
-    statuses = np.full((count, 2), kernels.FULL, np.int64)
-    signed, weakest = np.zeros((count, 2)), np.zeros((count, dimension))
-    known: Floats | None = None
+    """Expand the polytope of one grasp until its bounds meet."""
+    weakest = np.zeros(cones.centers.shape[1])
+    lower, upper, added, converged = -np.inf, np.inf, 0, False
     for sight in SIGHTS:
         meet = max(gap, sight)  # a point that its own facet does not see is no progress
         for capacity in CAPACITIES:
-            kernels.expand(
-                cones.centers, cones.axes, starts, profile, total, tolerance, meet, sight,
-                closure_only, _room(dimension, capacity), statuses, signed, weakest,
+            status, low, high, added = kernels.expand(
+                cones.centers, cones.axes, profile, total, tolerance, meet, sight, closure_only,
+                _room(len(weakest), capacity), weakest,
             )  # fmt: skip
-            if not (statuses[:, 0] == kernels.FULL).any():
+            if status != kernels.FULL:
                 break
-        failed = statuses[:, 0] == kernels.FAILED
-        if not failed.any():
+        if status != kernels.FAILED:
+            lower, upper, converged = low, high, status != kernels.FULL
             break
-        known = _narrowed(known, signed, failed)
-        # a unit normal force makes every longest wrench 1 or more, so this is the strict reading
-        met = signed[:, 1] - signed[:, 0] <= SIGHTS[0]
-        statuses[failed & met, 0] = kernels.CONVERGED
-        statuses[failed & ~met, 0] = kernels.FULL
-    np.maximum(signed, 0.0, out=signed)  # room that ran out may leave a negative lower bound
-    return Expansion(statuses[:, 0], statuses[:, 1], signed[:, 0], signed[:, 1], weakest)
+        # both bounds of a failed try hold, so keep the better of each; a unit normal force makes
+        # every longest wrench 1 or more, so this is the strict reading of having met
+        lower, upper = max(lower, low), min(upper, high)
+        if upper - lower <= SIGHTS[0]:
+            converged = True
+            break
+    # room that ran out may leave a negative lower bound
+    return Expansion(max(lower, 0.0), max(upper, 0.0), weakest, added, converged)
 
 
-def _narrowed(known: Floats | None, signed: Floats, failed: NDArray[np.bool_]) -> Floats:
-    """Both bounds of failed tries hold, so keep the better of each."""
-    if known is None:
-        known = np.tile([-np.inf, np.inf], (len(signed), 1))
-    known[failed, 0] = np.maximum(known[failed, 0], signed[failed, 0])
-    known[failed, 1] = np.minimum(known[failed, 1], signed[failed, 1])
-    signed[failed] = known[failed]
-    return known
+def expand_many(
+    cones: WrenchCones, starts: NDArray[np.int64], profile: Floats, *, total: bool, gap: float
+) -> Floats:
+    """Bounds (g, 2) of each grasp, which owns contacts ``starts[g]`` to ``starts[g + 1]``."""
+    bounds = np.empty((len(starts) - 1, 2))
+    meet, room = max(gap, SIGHTS[0]), _room(cones.centers.shape[1], CAPACITIES[0])
+    kernels.expand_many(
+        cones.centers, cones.axes, starts, profile, total, CLOSURE_TOLERANCE, meet, SIGHTS[0],
+        room, bounds,
+    )  # fmt: skip
+    for g in np.flatnonzero(np.isnan(bounds[:, 0])):
+        mine = slice(starts[g], starts[g + 1])
+        own = WrenchCones(cones.centers[mine], cones.axes[mine])
+        bounds[g] = expand(own, profile, total=total, gap=gap)[:2]
+    return bounds
 
 
 def _room(dimension: int, capacity: int) -> kernels.Workspace:
     if capacity > CAPACITIES[0]:
         return kernels.workspace(dimension, capacity)
-    name = f"room{dimension}"
-    if not hasattr(_kept, name):
-        setattr(_kept, name, kernels.workspace(dimension, capacity))
-    room: kernels.Workspace = getattr(_kept, name)
+    room = _kept.rooms.get(dimension)
+    if room is None:
+        room = _kept.rooms[dimension] = kernels.workspace(dimension, capacity)
     return room

@@ -17,7 +17,7 @@ from numba import njit
 from medkit.quality.facets import Workspace, attach, find_visible, nearest, push, workspace
 from medkit.quality.reach import support
 
-__all__ = ["Workspace", "expand", "workspace"]
+__all__ = ["Workspace", "expand", "expand_many", "workspace"]
 
 CONVERGED, OPEN, FLAT, BUDGET, FAILED, CLOSED, FULL = 0, 1, 2, 3, 4, 5, 6
 
@@ -173,7 +173,7 @@ def _grow(  # type: ignore[no-untyped-def]
     best,
 ):
     """Expand one grasp's polytope; a status, both bounds, and the points added."""
-    d = u.shape[0]
+    d = len(work.axes)
     points, facets, planes, counts = work.points, work.facets, work.planes, work.counts
     status = _start(centers, axes, profile, total, tolerance, points, basis, u, shadow)
     if status != CONVERGED:
@@ -208,57 +208,60 @@ def _grow(  # type: ignore[no-untyped-def]
             return OPEN, 0.0, 0.0, turn
         if height - lower <= gap:
             return CONVERGED, min(lower, upper), upper, turn
-        seen = find_visible(work, row, vertex, turn, sight)
+        seen, horizon = find_visible(work, row, vertex, turn, sight)
         if (
-            counts[0] + max(0, seen * d - counts[1]) > facets.shape[0]
-            or counts[2] + seen * d > work.keys.shape[0]
+            counts[0] + max(0, horizon - counts[1]) > facets.shape[0]
+            or counts[2] + horizon > work.keys.shape[0]
         ):
             return FULL, lower, upper, turn
-        if not attach(work, seen, vertex, turn, upper):
+        if not attach(work, seen, horizon, vertex, turn, upper):
             return FAILED, lower, upper, turn
 
 
 @njit(cache=True, error_model="numpy")
-def expand(  # type: ignore[no-untyped-def]
-    centers,
-    axes,
-    starts,
-    profile,
-    total,
-    tolerance,
-    gap,
-    sight,
-    closure_only,
-    work,
-    statuses,
-    bounds,
-    weakest,
-):
-    """Expand the polytopes of many grasps one after the other.
+def _longest(centers, axes):  # type: ignore[no-untyped-def]
+    """Length of the longest wrench, or a little more."""
+    longest = 0.0
+    for i in range(centers.shape[0]):
+        square = 0.0
+        for a in range(centers.shape[1]):
+            square += centers[i, a] ** 2
+            for j in range(axes.shape[1]):
+                square += axes[i, j, a] ** 2
+        longest = max(longest, square)
+    return np.sqrt(longest)
 
-    Grasp g owns the contacts ``starts[g]`` to ``starts[g + 1]``. `tolerance`, `gap` and `sight`
-    (how far a point must lie beyond a facet to see it) count in units of a grasp's longest
-    wrench. Writes `statuses` (g, 2) with the points added, `bounds` (g, 2) and `weakest` (g, d).
-    A grasp already done (status not FULL) is left alone.
+
+@njit(cache=True, error_model="numpy")
+def expand(centers, axes, profile, total, tolerance, gap, sight, closure_only, work, weakest):  # type: ignore[no-untyped-def]
+    """Expand the polytope of one grasp: status, lower bound, upper bound, points added.
+
+    `tolerance`, `gap` and `sight` (how far a point must lie beyond a facet to see it) count in
+    units of the longest wrench. The direction of the upper bound is written into `weakest`.
     """
     d, k = centers.shape[1], axes.shape[1]
+    if centers.shape[0] == 0:
+        return FLAT, 0.0, 0.0, 0
     basis, edge, u, shadow = np.zeros((d, d)), np.empty(d), np.empty(d), np.empty(k)
-    for g in range(statuses.shape[0]):
+    longest = _longest(centers, axes)
+    return _grow(
+        centers, axes, profile, total, tolerance * longest, gap * longest, sight * longest,
+        closure_only, work, basis, edge, u, shadow, weakest,
+    )  # fmt: skip
+
+
+@njit(cache=True, error_model="numpy")
+def expand_many(centers, axes, starts, profile, total, tolerance, gap, sight, work, bounds):  # type: ignore[no-untyped-def]
+    """Expand the polytopes of many grasps; those to be tried again get NaN as their bounds.
+
+    Grasp g owns the contacts ``starts[g]`` to ``starts[g + 1]``; `bounds` is (g, 2).
+    """
+    weakest = np.empty(centers.shape[1])
+    for g in range(bounds.shape[0]):
         first, last = starts[g], starts[g + 1]
-        if statuses[g, 0] != FULL:
-            continue
-        longest = 0.0
-        for i in range(first, last):
-            square = 0.0
-            for a in range(d):
-                square += centers[i, a] ** 2
-                for j in range(k):
-                    square += axes[i, j, a] ** 2
-            longest = max(longest, np.sqrt(square))
-        if last == first:
-            statuses[g, 0] = FLAT
-            continue
-        statuses[g, 0], bounds[g, 0], bounds[g, 1], statuses[g, 1] = _grow(
-            centers[first:last], axes[first:last], profile, total, tolerance * longest,
-            gap * longest, sight * longest, closure_only, work, basis, edge, u, shadow, weakest[g],
+        status, bounds[g, 0], bounds[g, 1], _ = expand(
+            centers[first:last], axes[first:last], profile, total, tolerance, gap, sight, False,
+            work, weakest,
         )  # fmt: skip
+        if status in (FULL, FAILED):
+            bounds[g, 0] = np.nan

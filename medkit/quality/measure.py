@@ -18,7 +18,7 @@ from medkit.contacts import (
 )
 from medkit.errors import InputError
 from medkit.geometry import Floats, positive
-from medkit.quality.expansion import LINEAR_GAP, expand
+from medkit.quality.expansion import LINEAR_GAP, expand, expand_many
 
 Norm = Literal["l1", "linf"]
 
@@ -145,20 +145,8 @@ def epsilon(
         patch_radius=patch_radius,
     )
     profile = cone_profile(contacts.dimension, contact, edges)
-    grown = expand(
-        cones,
-        np.array([0, len(contacts)]),
-        profile,
-        total=_is_total(norm),
-        gap=LINEAR_GAP if len(profile) else positive(tolerance, "tolerance"),
-    )
-    return Epsilon(
-        float(grown.lower[0]),
-        float(grown.upper[0]),
-        grown.weakest[0],
-        int(grown.points_added[0]),
-        bool(grown.converged[0]),
-    )
+    gap = LINEAR_GAP if len(profile) else positive(tolerance, "tolerance")
+    return Epsilon(*expand(cones, profile, total=_is_total(norm), gap=gap))
 
 
 def _stacked(
@@ -228,11 +216,5 @@ def epsilon_many(
         patch_radius=patch_radius,
     )
     profile = cone_profile(contacts.dimension, contact, edges)
-    grown = expand(
-        cones,
-        starts,
-        profile,
-        total=_is_total(norm),
-        gap=LINEAR_GAP if len(profile) else positive(tolerance, "tolerance"),
-    )
-    return EpsilonBatch(grown.lower, grown.upper)
+    gap = LINEAR_GAP if len(profile) else positive(tolerance, "tolerance")
+    return EpsilonBatch(*expand_many(cones, starts, profile, total=_is_total(norm), gap=gap).T)
