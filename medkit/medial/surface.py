@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from medkit.errors import InputError
 from medkit.geometry import Floats, positive
 from medkit.medial import surface_kernels as kernels
+from medkit.medial.size import smallest_diagonal
 
 #: Sample distance as a share of the diagonal, when none is given (P13 does not state its own).
 DEFAULT_SPACING = 0.015
@@ -19,6 +20,10 @@ CREASE_ANGLE = np.radians(35.0)
 _CANDIDATES = 6  # per square of the spacing; more gives more even samples at more cost
 _THINNING = 0.8  # least distance of two samples over the spacing: about one sample per square
 _MOST_SAMPLES = 20_000_000
+# Limits that no ordinary shape sits on exactly: at a tie, rounding would choose, and with it the
+# pose. Faces of a hexagonal prism turn by 60 deg, and equal faces end at round shares of the area.
+_COMPETE = float(np.cos(np.radians(61.8)))  # normals that turn by less are of one surface
+_PHASE = 0.381966
 
 
 @dataclass(frozen=True)
@@ -36,7 +41,7 @@ class SurfaceSample:
     spacing : float
         Mean distance of neighbouring samples: one sample per square of this side [m].
     diagonal : float
-        Diagonal of the mesh's bounding box [m].
+        Diagonal of the smallest box around the mesh in any direction [m], the size of the object.
     facet_depth : float
         How deep flat facets lie below the smooth surface they stand for [m].
     """
@@ -55,17 +60,19 @@ class SurfaceSample:
 def sample_surface(
     mesh: trimesh.Trimesh, *, spacing: float | None = None, crease_angle: float = CREASE_ANGLE
 ) -> SurfaceSample:
-    """Sample a mesh evenly: the same mesh always gives the same samples, whatever its pose.
+    """Sample a mesh evenly: the samples move, turn and grow with the mesh.
 
     Many candidates are laid out along the faces in proportion to their area (a low-discrepancy
     sequence, so no random numbers), then thinned until none is nearer than 0.8 times the spacing.
+    Nothing in this looks at the axes of the world: see decision 0015.
 
     Parameters
     ----------
     mesh : trimesh.Trimesh
         Watertight mesh with outward normals [m].
     spacing : float, optional
-        Mean distance of samples [m]; 1.5 % of the diagonal when left out.
+        Mean distance of samples [m]; 1.5 % of the size of the object when left out: of the
+        diagonal of the smallest box around it, however it lies.
     crease_angle : float
         Edges sharper than this keep the normals of their faces apart [rad].
 
@@ -86,10 +93,10 @@ def sample_surface(
     >>> 0.8 < len(sample) * 0.05**2 / 6.0 < 1.2
     True
     """
-    corner, diagonal = _box(mesh)
+    middle, diagonal = _place_and_size(mesh)
     distance = DEFAULT_SPACING * diagonal if spacing is None else positive(spacing, "spacing", " m")
     # at unit size no tolerance inside trimesh depends on the size or place of the object
-    sized = trimesh.Trimesh((mesh.vertices - corner) / diagonal, mesh.faces, process=False)
+    sized = trimesh.Trimesh((mesh.vertices - middle) / diagonal, mesh.faces, process=False)
     areas = np.asarray(sized.area_faces, dtype=float)
     if not areas.sum() > 0.0:
         raise InputError(
@@ -102,34 +109,36 @@ def sample_surface(
             f"Expected a spacing that suits the object, but {distance:g} m asks for about"
             f" {count / _CANDIDATES:.3g} samples on a diagonal of {diagonal:g} m; use a larger one."
         )
-    faces, weights = _candidates(areas, max(int(np.ceil(count)), 4 * _CANDIDATES))
+    faces, weights = _candidates(areas, max(int(count + _PHASE), 4 * _CANDIDATES))
     points = np.einsum("nk,nkd->nd", weights, sized.vertices[sized.faces[faces]])
     normals = _smooth_normals(sized, faces, weights, crease_angle)
-    keep = kernels.thin_samples(points, normals, _THINNING * distance / diagonal, 0.5)
+    keep = kernels.thin_samples(points, normals, _THINNING * distance / diagonal, _COMPETE)
     depth = min(facet_depth(sized, crease_angle), 0.002) * diagonal
-    points = corner + diagonal * points[keep]
+    points = middle + diagonal * points[keep]
     return SurfaceSample(points, normals[keep], faces[keep], distance, diagonal, depth)
 
 
-def _box(mesh: trimesh.Trimesh) -> tuple[Floats, float]:
-    """Lowest corner (3,) and diagonal of the bounding box [m], or a refusal."""
+def _place_and_size(mesh: trimesh.Trimesh) -> tuple[Floats, float]:
+    """Mean vertex (3,) and diagonal of the smallest box [m], or a refusal."""
     vertices = np.asarray(mesh.vertices, dtype=float)
     diagonal = 0.0
     if len(mesh.faces) and np.all(np.isfinite(vertices)):
-        diagonal = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+        # in the order of the faces: that of the vertices may change when a mesh is repaired
+        used, first = np.unique(mesh.faces, return_index=True)
+        diagonal = smallest_diagonal(vertices[used[np.argsort(first)]])
     if not (np.isfinite(diagonal) and diagonal > 0.0):
         raise InputError(
             f"Expected a mesh with a surface of finite size, but got {len(mesh.faces)} faces in a"
             f" box of diagonal {diagonal:g} m; check the file and its scale."
         )
-    return vertices.min(axis=0), diagonal
+    return vertices.mean(axis=0), diagonal
 
 
 def _candidates(areas: Floats, count: int) -> tuple[NDArray[np.int64], Floats]:
     """Faces (count,) in proportion to area and barycentric weights (count, 3) inside them."""
     edges = np.cumsum(areas)
     index = np.arange(count)
-    faces = np.searchsorted(edges, (index + 0.5) / count * edges[-1])
+    faces = np.searchsorted(edges, (index + _PHASE) / count * edges[-1])
     faces = np.minimum(faces, len(areas) - 1)
     # the plastic number's additive recurrence fills the unit square evenly in any prefix
     g = 1.32471795724474602596

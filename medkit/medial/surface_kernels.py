@@ -58,6 +58,25 @@ def bucket(a, b, c, size):
 
 
 @njit(cache=True)
+def ends_along(points, directions):
+    """Index of the first and of the last point along each direction."""
+    low = np.zeros(len(directions), np.int64)
+    high = np.zeros(len(directions), np.int64)
+    for k in range(len(directions)):
+        u, v, w = directions[k, 0], directions[k, 1], directions[k, 2]
+        least, most = np.inf, -np.inf
+        for i in range(len(points)):
+            along = u * points[i, 0] + v * points[i, 1] + w * points[i, 2]
+            if along < least:
+                least = along
+                low[k] = i
+            if along > most:
+                most = along
+                high[k] = i
+    return low, high
+
+
+@njit(cache=True)
 def blend_corners(face_normals, vertex, face, angle, order, begin, count, min_cosine):
     """Mean normal at each corner over the faces around its vertex that turn little from its own."""
     result = np.empty((len(vertex), 3))

@@ -5,10 +5,14 @@ import pytest
 import trimesh
 from scipy.spatial import cKDTree
 
+from medkit.datasets import load_object
 from medkit.errors import InputError
+from medkit.geometry import random_rotation
 from medkit.grasping import sample_surface
+from medkit.medial.size import smallest_diagonal
 from medkit.medial.surface import corner_normals, facet_depth
-from medkit.medial.surface_kernels import thin_samples
+from medkit.medial.surface_kernels import ends_along, thin_samples
+from medkit.meshes import repair_mesh
 
 create = trimesh.creation
 
@@ -28,6 +32,85 @@ def test_thinning_equals_its_plain_twin():
         if not near:
             kept.append(i)
     assert np.flatnonzero(thin_samples(points, normals, 0.15, 0.5)).tolist() == kept
+
+
+def test_the_ends_along_a_direction_equal_their_plain_twin():
+    rng = np.random.default_rng(1)
+    points, directions = rng.normal(size=(200, 3)), rng.normal(size=(30, 3))
+    low, high = ends_along(points, directions)
+    along = points @ directions.T
+    assert np.array_equal(low, along.argmin(axis=0))
+    assert np.array_equal(high, along.argmax(axis=0))
+
+
+# symmetric shapes are the hard ones: there rounding could choose between equal halves
+TURNED = {
+    "box": create.box((0.2, 0.1, 0.05)),
+    "cube in many faces": create.box((1, 1, 1)).subdivide().subdivide(),
+    "ball": create.icosphere(3, 0.05),
+    "capsule": create.capsule(0.2, 0.03, count=[24, 24]),
+    "torus": create.torus(0.08, 0.02, 48, 24),
+    "hexagonal prism": create.cylinder(0.03, 0.1, sections=6),
+    "thin wall": create.box((0.2, 0.2, 0.0005)),
+    "hammer": load_object("hammer"),
+    "giraffe": load_object("giraffe"),
+}
+
+
+@pytest.mark.parametrize("name", TURNED)
+def test_samples_move_turn_and_grow_with_the_mesh(name):
+    mesh = repair_mesh(TURNED[name]).mesh
+    here = sample_surface(mesh)
+    rng = np.random.default_rng(7)
+    for factor in (1.0, 1000.0, 0.0173):
+        R, t = random_rotation(rng), rng.normal(size=3)
+        moved = trimesh.Trimesh(factor * (mesh.vertices @ R.T + t), mesh.faces, process=False)
+        there = sample_surface(repair_mesh(moved).mesh)
+        assert np.array_equal(there.faces, here.faces)
+        back = (there.points / factor - t) @ R
+        assert np.abs(back - here.points).max() < 1e-9 * here.diagonal
+        assert np.abs(there.normals @ R - here.normals).max() < 1e-9
+        sizes = [there.diagonal, there.spacing, there.facet_depth]
+        expected = [here.diagonal, here.spacing, here.facet_depth]
+        assert np.array(sizes) / factor == pytest.approx(expected, rel=1e-9)
+
+
+def test_the_size_is_the_diagonal_of_the_smallest_box():
+    rng = np.random.default_rng(3)
+    for extents in ([4.0, 2.0, 1.0], [1.0, 1.0, 1.0], [3.0, 3.0, 1e-3]):
+        corners = create.box(extents).vertices @ random_rotation(rng).T
+        assert smallest_diagonal(corners) == pytest.approx(np.linalg.norm(extents), rel=1e-12)
+    ball = create.icosphere(4, 1.0).vertices
+    assert smallest_diagonal(ball) == pytest.approx(2.0 * np.sqrt(3.0), rel=0.02)
+    # no box in any of many directions is clearly smaller
+    points = rng.normal(size=(300, 3)) * [3.0, 1.0, 1.0]
+    boxes = [np.linalg.norm(np.ptp(points @ random_rotation(rng).T, axis=0)) for _ in range(2000)]
+    assert smallest_diagonal(points) < 1.01 * min(boxes)
+
+
+def test_flat_straight_and_single_points_have_a_size_too():
+    square = np.array([[0, 0, 0], [3, 0, 0], [3, 4, 0], [0, 4, 0]], dtype=float)
+    assert smallest_diagonal(square) == pytest.approx(5.0)
+    line = np.c_[np.linspace(-1, 1, 9), np.zeros((9, 2))]
+    assert smallest_diagonal(line) == pytest.approx(2.0)
+    assert smallest_diagonal(np.zeros((3, 3))) == 0.0
+
+
+def test_the_triangulation_changes_neither_size_nor_density():
+    coarse = create.box((0.2, 0.1, 0.05))
+    fine = coarse.subdivide().subdivide().subdivide()
+    slivers = create.box((2.0, 0.1, 0.05)).subdivide_to_size(0.1).apply_scale([0.1, 1.0, 1.0])
+    one = sample_surface(coarse)
+    for mesh in (fine, slivers):
+        other = sample_surface(mesh)
+        assert other.diagonal == pytest.approx(one.diagonal, rel=1e-12)
+        assert len(other) == pytest.approx(len(one), rel=0.03)
+        # every face of the box gets its share, and every sample has one of the others near
+        share = np.abs(other.normals).T @ np.ones(len(other)) / len(other)
+        assert share == pytest.approx([1 / 7, 2 / 7, 4 / 7], abs=0.01)
+        apart = cKDTree(other.points).query(one.points)[0]
+        assert apart.max() < 1.1 * one.spacing
+        assert apart.mean() == pytest.approx(0.44 * one.spacing, rel=0.15)
 
 
 @pytest.mark.parametrize(
