@@ -29,6 +29,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--scale", type=float, default=1.0, help="metres per unit of the file (1)")
     parser.add_argument("--hand", default="armar3", help="armar3, schunk, wsg50 or a hand file")
     parser.add_argument(
+        "--package-dir",
+        action="append",
+        default=[],
+        metavar="FOLDER",
+        help="folder in which package:// paths of a hand's URDF are looked up; may be repeated",
+    )
+    parser.add_argument(
         "--planner", default="medial", help="medial, medial-plus, normals or boxes (medial)"
     )
     parser.add_argument("--grasp", default="power", choices=("power", "precision"))
@@ -50,6 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--out", metavar="FILE", help="write all grasps as JSON")
     parser.add_argument("--xml", metavar="FILE", help="write the force-closure grasps as XML")
     parser.add_argument("--html", metavar="FILE", help="write a page that shows the grasps")
+    parser.add_argument("--glb", metavar="FILE", help="write object and hand at the best grasp")
 
 
 def run(args: argparse.Namespace) -> int:
@@ -62,7 +70,7 @@ def run(args: argparse.Namespace) -> int:
     from medkit.robots import load_hand
 
     looked_up(CANDIDATE_SOURCES, args.planner, "planner")
-    hand = load_hand(args.hand)
+    hand = load_hand(args.hand, package_dirs=args.package_dir)
     mesh = load_mesh(args.mesh, scale=args.scale)
     refuse_wrong_scale(mesh, scale=args.scale)
     repaired = repair_mesh(mesh)
@@ -110,9 +118,14 @@ def check_arguments(args: argparse.Namespace) -> None:
             raise InputError(f"Expected {name} of at least 1, but got {value}; give a larger one.")
     if args.seed < 0:
         raise InputError(f"Expected --seed of zero or more, but got {args.seed}; give another.")
-    for path in (args.out, args.xml, args.html):
-        if path:
-            check_writable(path)
+    outputs = [path for path in (args.out, args.xml, args.html, args.glb) if path]
+    for path in outputs:
+        check_writable(path)
+    if len({Path(path).resolve() for path in outputs}) < len(outputs):
+        raise InputError(
+            f"Expected another file for each output, but {outputs[-1]} and another are the same;"
+            " one would replace the other."
+        )
 
 
 def check_writable(path: str) -> None:
@@ -130,6 +143,7 @@ class _Enough(Exception):
 def write_outputs(args: argparse.Namespace, found: GraspSet, mesh: Any, hand: Any) -> None:
     """Write the files that were asked for."""
     from medkit.grasping.grasp_file import grasp_document, write_grasps
+    from medkit.grasping.grasp_set import FORCE_CLOSURE
 
     document = grasp_document(found)
     if args.out:
@@ -138,6 +152,12 @@ def write_outputs(args: argparse.Namespace, found: GraspSet, mesh: Any, hand: An
         from medkit.grasping.export_xml import write_grasps_xml
 
         write_grasps_xml(args.xml, document, preshape=found.grasp, prismatic=hand.prismatic_joints)
+    if args.glb and found.best():
+        from medkit.grasping.export_glb import write_grasp_glb
+
+        entries = document["grasps"]
+        best = max(entries, key=lambda entry: (entry["outcome"] == FORCE_CLOSURE, entry["epsilon"]))
+        write_grasp_glb(args.glb, mesh, hand, best)
     if args.html:
         from medkit.viz.scene import write_scene_html
 
@@ -170,7 +190,9 @@ def summary(found: GraspSet) -> str:
         )
     lines += _advice(found)
     best = found.best()
-    if best:
+    if not best:
+        lines.append("  no candidate holds, so there is no best grasp to write")
+    else:
         lines.append(f"  best epsilon {best[0].epsilon:.4f}, {len(best[0].points)} contacts")
     times = ", ".join(f"{name} {value:.2f} s" for name, value in found.timing.items())
     return "\n".join([*lines, f"  {times}"])

@@ -184,16 +184,30 @@ def _read_grasp(element: ET.Element, tool: Floats, path: Any) -> dict[str, Any]:
     return {
         "name": element.get("name", ""),
         "outcome": element.get("outcome", "not_tested"),
-        "epsilon": float(element.get("quality", "0")),
+        "epsilon": _number(element, "quality", path),
         "pose": _read_transform(element, tool, path),
         "pregrasp": None if before is None else _read_transform(before, tool, path),
         "joints": {
-            node.get("name", ""): float(node.get("value", "0"))
+            node.get("name", ""): _number(node, "value", path)
             * UNITS.get(node.get("unit", "radian"), 1.0)
             for node in element.iter("Node")
         },
         "contacts": [],
     }
+
+
+def _number(element: ET.Element, key: str, path: Any) -> float:
+    text = element.get(key, "0")
+    try:
+        value = float(text)
+    except ValueError:
+        value = float("nan")
+    if not np.isfinite(value):
+        raise InputError(
+            f"Expected a number as {key!r} of {element.get('name', element.tag)!r} in"
+            f" {Path(path).name}, but got {text!r}; repair the file."
+        )
+    return value
 
 
 def _read_transform(parent: ET.Element, tool: Floats, path: Any) -> list[list[float]]:
@@ -207,6 +221,8 @@ def _read_transform(parent: ET.Element, tool: Floats, path: Any) -> list[list[fl
         )
         if pose.shape != (4, 4):
             raise ValueError("rows are missing")
+        if not np.isfinite(pose).all():
+            raise ValueError("a number is not finite")
     except ValueError as error:
         raise InputError(
             f"Expected a 4 x 4 transform in {parent.get('name', parent.tag)!r} of"

@@ -96,6 +96,9 @@ def test_sliding_joints_go_out_in_millimetres_and_come_back_in_metres(tmp_path):
         (lambda text: text.replace("row2", "row7"), "rows are missing"),
         (lambda text: text.replace('c3="', 'c3="z'), "4 x 4 transform in 'Grasp 0'"),
         (lambda text: text.replace("Matrix4x4", "Quaternion"), "no Matrix4x4"),
+        (lambda text: text.replace('quality="', 'quality="x'), "number as 'quality' of 'Grasp 0'"),
+        (lambda text: text.replace('value="', 'value="nan'), "number as 'value' of 'Index R J0'"),
+        (lambda text: text.replace('c4="1.0"', 'c4="nan"'), "4 x 4 transform in 'Grasp 0'"),
     ],
 )
 def test_broken_files_are_explained(tmp_path, edit, words):

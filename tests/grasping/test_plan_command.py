@@ -11,8 +11,29 @@ import trimesh
 from medkit.cli import main
 from medkit.errors import InputError
 from medkit.grasping import grasp_document, plan_power_grasps, read_grasps, write_grasps
+from medkit.grasping.export_xml import read_grasps_xml
 from medkit.grasping.grasp_file import grasps_from_document
 from medkit.robots import load_hand
+
+#: Two sliding bars on a third: the shortest description of a hand on top of a URDF.
+URDF_HAND = """
+schema: medkit.hand/1
+name: grip
+source: made up for a test
+urdf: grip.urdf
+base: palm
+palm_direction: [0, 0, 1]
+closing_axis: [0, 1, 0]
+power_frame: {xyz: [0, 0, 0.1]}
+sphere_radius: {min: 0.002, max: 0.045}
+fingers:
+  - {name: left, joints: [left], closing: [-1], tip_link: left, tip_point: [0.01, 0, 0.03],
+     tip_normal: [1, 0, 0]}
+  - {name: right, joints: [right], closing: [-1], tip_link: right, tip_point: [-0.01, 0, 0.03],
+     tip_normal: [-1, 0, 0]}
+preshapes: {power: {left: 0.06, right: 0.06}}
+opposition: {thumb: left, fingers: [right]}
+"""
 
 
 @pytest.fixture(scope="module")
@@ -97,6 +118,56 @@ def test_an_output_folder_that_is_missing_is_refused_before_any_work(bar, tmp_pa
     assert main(["plan", bar, "--out", str(missing)]) == 2
     assert "folder" in capsys.readouterr().err
     assert not missing.parent.exists()
+
+
+def test_two_outputs_in_one_file_are_refused(bar, tmp_path, capsys):
+    same = str(tmp_path / "out")
+    assert main(["plan", bar, "--out", same, "--xml", same]) == 2
+    assert "another file for each output" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_all_outputs_tell_of_the_same_grasps(bar, tmp_path, capsys):
+    names = {"--out": "g.json", "--xml": "g.xml", "--html": "g.html", "--glb": "g.glb"}
+    options = [text for key, name in names.items() for text in (key, str(tmp_path / name))]
+    assert main(["plan", bar, "--max-candidates", "8", *options]) == 0
+    assert "best epsilon" in capsys.readouterr().out
+    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(names.values())
+    held = [g for g in read_grasps(tmp_path / "g.json").grasps if g.outcome == "force_closure"]
+    back = read_grasps_xml(tmp_path / "g.xml")["grasps"]
+    assert len(held) == len(back) > 0
+    for one, other in zip(held, back, strict=True):
+        np.testing.assert_allclose(other["pose"], one.pose, atol=1e-12)
+        np.testing.assert_allclose(list(other["joints"].values()), one.q, atol=1e-12)
+    scene = trimesh.load_scene(tmp_path / "g.glb")
+    assert set(scene.geometry) == {"object", *load_hand("armar3").link_meshes(held[0].q)}
+    assert scene.geometry["object"].volume == pytest.approx(trimesh.load(bar).volume, rel=1e-4)
+
+
+def test_a_hand_whose_meshes_lie_in_a_package_folder_is_planned_with(bar, tmp_path, capsys):
+    (tmp_path / "parts" / "grip").mkdir(parents=True)
+    trimesh.creation.box([0.02, 0.02, 0.08]).export(tmp_path / "parts" / "grip" / "bar.stl")
+    mesh = '<geometry><mesh filename="package://grip/bar.stl"/></geometry>'
+    shape = f"<collision>{mesh}</collision>"
+    slide = (
+        '<joint name="{0}" type="prismatic"><parent link="palm"/><child link="{0}"/>'
+        '<axis xyz="{1} 0 0"/><origin xyz="0 0 0.08"/>'
+        '<limit lower="0.015" upper="0.06" effort="1" velocity="1"/></joint>'
+    )
+    (tmp_path / "grip.urdf").write_text(
+        f'<robot name="grip"><link name="palm">{shape}</link>'
+        f'<link name="left">{shape}</link><link name="right">{shape}</link>'
+        + slide.format("left", -1)
+        + slide.format("right", 1)
+        + "</robot>"
+    )
+    (tmp_path / "grip.yaml").write_text(URDF_HAND)
+    hand = str(tmp_path / "grip.yaml")
+    options = ["--max-candidates", "2", "--hand", hand]
+    assert main(["plan", bar, *options]) == 2
+    assert "package://" in capsys.readouterr().err
+    assert main(["plan", bar, *options, "--package-dir", str(tmp_path / "parts")]) == 0
+    assert "hand grip" in capsys.readouterr().out
 
 
 def test_an_interrupt_leaves_no_file(bar, tmp_path, monkeypatch):
