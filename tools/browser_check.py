@@ -1,7 +1,8 @@
 """Meet the product as a reader does: JupyterLab and the book in a real browser.
 
-Runs every notebook's cells in JupyterLab, moves a slider, turns a 3-D view, and looks whether the
-screenshots show anything. Needs Chromium and the packages playwright and pillow (extra
+Runs every notebook's cells in JupyterLab, moves the first slider, turns the first 3-D view, and
+holds what the screen shows before and after against each other. Leaves a picture of each whole
+notebook to be looked at. Needs Chromium and the packages playwright and pillow (extra
 ``browser``); called by ``make browser``.
 """
 
@@ -17,12 +18,12 @@ import socket
 import subprocess
 import tempfile
 import time
+import urllib.request
 from pathlib import Path
 
-from PIL import Image
-from playwright.sync_api import Page, sync_playwright
+from PIL import Image, ImageChops
+from playwright.sync_api import ElementHandle, Page, sync_playwright
 
-PORT = 8931
 CHROMIUM = shutil.which("chromium") or shutil.which("google-chrome") or "/usr/bin/chromium"
 FLAGS = [
     "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
@@ -34,7 +35,10 @@ SETTINGS = {
     "notebook-extension/tracker.jupyterlab-settings": '{"windowingMode": "none"}',
     "apputils-extension/notification.jupyterlab-settings": '{"fetchNews": "false"}',
 }
+WIDTH, HEIGHT, TALLEST = 1400, 1000, 15_000  # [px]
 LEAST_COLOURS = 40  # of a picture that shows something
+LEAST_CHANGE = 0.002  # share of pixels that a moved slider or a turned view changes
+IDLE = "text=| Idle"
 
 
 def main() -> int:
@@ -45,23 +49,42 @@ def main() -> int:
     parser.add_argument("--book", type=Path, default=Path("build/book"))
     args = parser.parse_args()
     args.out.mkdir(parents=True, exist_ok=True)
-    notebooks = args.notebooks or sorted(Path("notebooks").glob("[0-9][0-9]_*.ipynb"))
-    failures = []
+    chapters = [
+        *Path("notebooks").glob("[0-9][0-9]_*.ipynb"),
+        *Path("notebooks/labs").glob("*.ipynb"),
+    ]
+    notebooks = args.notebooks or sorted(chapters)
+    failures: list[str] = []
     with sync_playwright() as play:
         browser = play.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
-        page = browser.new_page(viewport={"width": 1400, "height": 1000})
-        for name in ("index", "replay"):
-            if (args.book / f"{name}.html").exists():
-                page.goto((args.book / f"{name}.html").resolve().as_uri())
-                failures += shown(page, args.out / f"book_{name}.png")
-        with Lab(notebooks) as address:
+        page = browser.new_page(viewport={"width": WIDTH, "height": HEIGHT})
+        page.on("pageerror", lambda error: failures.append(f"script error: {error}"))
+        if (args.book / "index.html").exists():
+            failures += look_at_book(page, args.book.resolve(), args.out)
+        with Lab(notebooks) as lab:
             for notebook in notebooks:
-                failures += run_notebook(page, address, notebook, args.out)
+                failures += run_notebook(page, lab, notebook, args.out)
         browser.close()
-    print(f"{len(notebooks)} notebooks run in the browser, {len(failures)} of them not as expected")
+    print(f"{len(notebooks)} notebooks run in the browser, {len(failures)} things not as expected")
     for failure in failures:
         print("  " + failure)
     return 1 if failures else 0
+
+
+def look_at_book(page: Page, book: Path, out: Path) -> list[str]:
+    """Open index and replay page from disk, use the search and a filter."""
+    page.goto((book / "index.html").as_uri())
+    wrong = shown(page, out / "book_index.png")
+    page.fill("#search", "epsilon")
+    if not page.query_selector_all("#found li"):
+        wrong.append("the book's search finds nothing for epsilon")
+    page.goto((book / "replay.html").as_uri())
+    rows = "#rows tr[data-verdict]:visible"
+    before = page.locator(rows).count()
+    page.click("#chips .chip[data-value='not decided']")
+    if not 0 < page.locator(rows).count() < before:
+        wrong.append("the replay page's filter leaves the rows as they were")
+    return wrong + shown(page, out / "book_replay.png")
 
 
 class Lab:
@@ -77,28 +100,52 @@ class Lab:
                     cell["outputs"], cell["execution_count"] = [], None
             (Path(self.folder.name) / notebook.name).write_text(json.dumps(content))
 
-    def __enter__(self) -> str:
-        token = secrets.token_hex(16)
+    def __enter__(self) -> Lab:
+        self.token, self.port = secrets.token_hex(16), free_port()
         settings = Path(self.folder.name) / ".settings" / "@jupyterlab"
         for name, text in SETTINGS.items():
             (settings / name).parent.mkdir(parents=True, exist_ok=True)
             (settings / name).write_text(text)
         self.process = subprocess.Popen(
             [
-                ".venv/bin/python", "-m", "jupyterlab", "--no-browser", f"--port={PORT}",
+                ".venv/bin/python", "-m", "jupyterlab", "--no-browser", f"--port={self.port}",
                 "--ServerApp.port_retries=0", "--allow-root", f"--notebook-dir={self.folder.name}",
-                f"--IdentityProvider.token={token}",
+                f"--IdentityProvider.token={self.token}",
                 f"--LabApp.user_settings_dir={settings.parent}",
             ],
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
         )  # fmt: skip
-        wait_for_port(PORT)
-        return f"http://127.0.0.1:{PORT}/lab/tree/{{}}?reset&token={token}"
+        wait_for_port(self.port)
+        return self
 
     def __exit__(self, *_: object) -> None:
         self.process.terminate()
         self.process.wait(timeout=30)
         self.folder.cleanup()
+
+    def address(self, notebook: Path) -> str:
+        """Where a notebook opens in a fresh workspace."""
+        return f"http://127.0.0.1:{self.port}/lab/tree/{notebook.name}?reset&token={self.token}"
+
+    def end_kernels(self) -> None:
+        """End what the last notebook started; thirty kernels would fill the memory."""
+        address = f"http://127.0.0.1:{self.port}/api/sessions"
+        headers = {"Authorization": f"token {self.token}"}
+        with urllib.request.urlopen(urllib.request.Request(address, headers=headers)) as answer:
+            sessions = json.load(answer)
+        for session in sessions:
+            urllib.request.urlopen(
+                urllib.request.Request(
+                    f"{address}/{session['id']}", headers=headers, method="DELETE"
+                )
+            ).close()
+
+
+def free_port() -> int:
+    """Return a port of this machine that nobody listens on."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
 
 
 def wait_for_port(port: int, limit: float = 120.0) -> None:
@@ -112,35 +159,86 @@ def wait_for_port(port: int, limit: float = 120.0) -> None:
     raise SystemExit("JupyterLab did not start; try make lab by hand")
 
 
-def run_notebook(page: Page, address: str, notebook: Path, out: Path) -> list[str]:
+def run_notebook(page: Page, lab: Lab, notebook: Path, out: Path) -> list[str]:
     """Run all cells, move the first slider, turn the first 3-D view; return what went wrong."""
-    page.goto(address.format(notebook.name))
+    page.set_viewport_size({"width": WIDTH, "height": HEIGHT})
+    page.goto(lab.address(notebook))
     page.wait_for_selector(".jp-Notebook .jp-CodeCell", timeout=120_000)
-    page.wait_for_selector("text=| Idle", timeout=120_000)
+    page.wait_for_selector(IDLE, timeout=120_000)
     page.click(".lm-MenuBar-itemLabel:text-is('Run')")
     page.click(".lm-Menu-itemLabel:text-is('Run All Cells')")
     wait_until_run(page)
     errors = page.query_selector_all("[data-mime-type='application/vnd.jupyter.error']")
-    wrong = [f"{notebook.name}: {len(errors)} cells failed"] if errors else []
-    slider = page.query_selector(".noUi-handle")
-    if slider:
-        slider.scroll_into_view_if_needed()
-        slider.focus()
-        for _ in range(4):
-            page.keyboard.press("ArrowRight")
-        page.wait_for_timeout(2500)
-    frame = page.query_selector("iframe[title='grasp browser']")
-    if frame:
-        frame.scroll_into_view_if_needed()
-        box = frame.bounding_box()
-        if box:
-            x, y = box["x"] + box["width"] / 3, box["y"] + box["height"] / 2
-            page.mouse.move(x, y)
-            page.mouse.down()
-            page.mouse.move(x + 120, y + 40, steps=6)
-            page.mouse.up()
-            page.wait_for_timeout(800)
-    return wrong + shown(page, out / f"{notebook.stem}.png")
+    wrong = [f"{len(errors)} cells failed"] if errors else []
+    wrong += move_slider(page) + turn_view(page)
+    enlarge(page)
+    wrong += shown(page, out / f"{notebook.stem}.png")
+    lab.end_kernels()
+    return [f"{notebook.name}: {failure}" for failure in wrong]
+
+
+def enlarge(page: Page) -> None:
+    """Make the window as tall as the notebook, so that one picture shows all of it."""
+    page.keyboard.press("Escape")
+    page.keyboard.press("Control+b")
+    tall = page.evaluate(
+        "Math.max(...[...document.querySelectorAll('[class*=jp-WindowedPanel]')]"
+        ".map(n => n.scrollHeight))"
+    )
+    page.set_viewport_size({"width": WIDTH, "height": min(int(tall) + 160, TALLEST)})
+    page.wait_for_timeout(2000)
+
+
+def move_slider(page: Page) -> list[str]:
+    """Move the first slider by the keyboard and see whether its cell's output changes."""
+    slider = page.query_selector(".jp-Notebook .noUi-handle")
+    if slider is None:
+        return []
+    cell = slider.evaluate_handle("n => n.closest('.jp-CodeCell').querySelector('.jp-OutputArea')")
+    area = cell.as_element()
+    slider.scroll_into_view_if_needed()
+    before = picture_of(area, page)
+    slider.focus()
+    for _ in range(4):
+        page.keyboard.press("ArrowRight")
+    page.wait_for_timeout(1500)
+    page.wait_for_selector(IDLE, timeout=120_000)
+    page.wait_for_timeout(1000)
+    return [] if differ(before, picture_of(area, page)) else ["moving the slider changes nothing"]
+
+
+def turn_view(page: Page) -> list[str]:
+    """Drag in the first 3-D view and see whether it turns."""
+    frame = page.query_selector(".jp-Notebook iframe[title='grasp browser']")
+    if frame is None:
+        return []
+    frame.scroll_into_view_if_needed()
+    page.wait_for_timeout(1500)
+    before = picture_of(frame, page)
+    box = frame.bounding_box()
+    if box is None:
+        return ["the 3-D view has no size"]
+    x, y = box["x"] + box["width"] / 3, box["y"] + box["height"] / 2
+    page.mouse.move(x, y)
+    page.mouse.down()
+    page.mouse.move(x + 120, y + 40, steps=6)
+    page.mouse.up()
+    page.wait_for_timeout(1000)
+    return [] if differ(before, picture_of(frame, page)) else ["dragging does not turn the view"]
+
+
+def picture_of(element: ElementHandle | None, page: Page) -> Image.Image:
+    """What an element looks like now (or the page, where there is none)."""
+    taken = page.screenshot() if element is None else element.screenshot()
+    return Image.open(io.BytesIO(taken)).convert("RGB")
+
+
+def differ(one: Image.Image, other: Image.Image) -> bool:
+    """Whether two pictures of the same thing show something else."""
+    if one.size != other.size:
+        return True
+    changed = ImageChops.difference(one, other).convert("L").point(lambda v: 255 if v > 16 else 0)
+    return changed.histogram()[255] > LEAST_CHANGE * one.size[0] * one.size[1]
 
 
 def wait_until_run(page: Page, limit: float = 300.0) -> None:
@@ -160,7 +258,7 @@ def shown(page: Page, path: Path) -> list[str]:
     """Save a screenshot and say so if it shows nothing."""
     picture = page.screenshot(path=str(path))
     colours = Image.open(io.BytesIO(picture)).convert("RGB").getcolors(1 << 24) or []
-    print(f"{path.name}: {len(colours)} colours")
+    print(f"{path.name}: {len(colours)} colours", flush=True)
     return [] if len(colours) >= LEAST_COLOURS else [f"{path.name} is blank"]
 
 

@@ -1,18 +1,23 @@
 """Grading a folder of submissions: the notebook's own checks with hidden cases and a time limit.
 
-A submission runs in a process of its own, but it runs: grade what you would also open.
+The cases and the verdict stay in this process; a submission answers call by call in another one,
+with limits of processor time and memory. It still runs with your rights: grade where you would open
+the notebook.
 """
 
 from __future__ import annotations
 
-import ast
+import contextlib
 import json
+import os
 import signal
 import subprocess
 import sys
+import threading
+import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
+from queue import Empty, Queue
 from typing import Any
 
 import numpy as np
@@ -20,10 +25,12 @@ import numpy as np
 from medkit.errors import InputError
 from medkit.labs.exercise import HIDDEN_CASES, Exercise, Verdict
 from medkit.labs.registry import LABS, exercises_of
+from medkit.labs.worker import decoded, definitions, encoded
 
 TIME_LIMIT = 20.0  # [s] of computing an exercise may take
-PATIENCE = 120.0  # [s] by the clock on top, for a slow machine to start and to import
-DRAWING = ("matplotlib", "medkit.viz", "ipywidgets", "IPython")
+START = 120.0  # [s] by the clock for a slow machine to start and to import
+#: How the system ends a process that has used up its processor time.
+SIGNALS_OF_TIME = (-getattr(signal, "SIGKILL", 9), -getattr(signal, "SIGXCPU", 24))
 
 
 def submissions(folder: Path) -> list[Path]:
@@ -46,7 +53,7 @@ def grade(path: Path, *, seed: int, time_limit: float = TIME_LIMIT) -> list[Verd
     Parameters
     ----------
     path : Path
-        A notebook. Its lab is recognised by the functions it defines and the checks it calls.
+        A notebook. Its lab is recognised by the exercises it names.
     seed : int
         Seed of the hidden cases; the same seed gives the same cases.
     time_limit : float
@@ -55,56 +62,125 @@ def grade(path: Path, *, seed: int, time_limit: float = TIME_LIMIT) -> list[Verd
     Returns
     -------
     list of Verdict
-        One per exercise of the lab. A notebook that cannot be read misses all of them.
+        One per exercise of the lab.
+
+    Raises
+    ------
+    InputError
+        If the file is no notebook, or not one of a lab.
     """
-    cells = _code_cells(path)
-    lab = _lab_of(cells, path)
-    told = _in_a_process(path, lab, seed, time_limit)
-    silent = "the process ended, or was stopped, without a verdict"
+    cells = code_cells(path)
     return [
-        told.get(exercise.name, Verdict(exercise.name, False, silent))
-        for exercise in exercises_of(lab)
+        _graded(cells, exercise, seed, time_limit)
+        for exercise in exercises_of(_lab_of(cells, path))
     ]
 
 
-def verdict_of(
-    path: Path, exercise: Exercise, seed: int, time_limit: float | None = None
-) -> Verdict:
-    """Run a submission's definitions in this process and check one exercise."""
-    namespace = _definitions(_code_cells(path), exercise.function)
-    answer = namespace.get(exercise.function)
-    try:
-        with _at_most(time_limit):
+def verdict_of(path: Path, exercise: Exercise, seed: int) -> Verdict:
+    """Check one exercise of a notebook that can be trusted, in this process, without limits."""
+    answer = definitions(code_cells(path), exercise.function).get(exercise.function)
+    return exercise.verdict(answer, np.random.default_rng(seed), HIDDEN_CASES)
+
+
+def _graded(cells: list[str], exercise: Exercise, seed: int, time_limit: float) -> Verdict:
+    """Judge here, with the cases that the submission never sees; let it answer over there."""
+    with _Worker(cells, exercise.function, time_limit) as worker:
+        try:
+            answer = worker.call if worker.defined() else None
             return exercise.verdict(answer, np.random.default_rng(seed), HIDDEN_CASES)
-    except _OutOfTime:
-        return _too_slow(exercise, time_limit or 0.0)
+        except _OutOfTime:
+            hint = f"stopped after the limit of {time_limit:g} s"
+        except _Gone:
+            hint = "the process of the answer ended without a result"
+        except _Failed as error:
+            # what its own cell raised while it was executed
+            hint = f"the cell of {exercise.function} stopped with {error}"
+    return Verdict(exercise.name, False, hint)
 
 
 class _OutOfTime(BaseException):
-    """Not an Exception, so that no answer's own handler swallows it."""
+    """Not an Exception, so that it is never taken for the answer's own."""
 
 
-@contextmanager
-def _at_most(seconds: float | None) -> Iterator[None]:
-    """Stop the block after so much processor time [s], where the platform can."""
-    if seconds is None or not hasattr(signal, "setitimer"):
-        yield
-        return
-
-    def stop(*_: Any) -> None:
-        raise _OutOfTime
-
-    before = signal.signal(signal.SIGVTALRM, stop)
-    signal.setitimer(signal.ITIMER_VIRTUAL, seconds)
-    try:
-        yield
-    finally:
-        signal.setitimer(signal.ITIMER_VIRTUAL, 0.0)
-        signal.signal(signal.SIGVTALRM, before)
+class _Gone(BaseException):
+    """The worker ended, by itself or by the system."""
 
 
-def _too_slow(exercise: Exercise, time_limit: float) -> Verdict:
-    return Verdict(exercise.name, False, f"stopped after the limit of {time_limit:g} s")
+class _Failed(BaseException):
+    """The submission's own cell raised."""
+
+
+class _Worker:
+    """A process that holds one answer, and the pipes to it."""
+
+    def __init__(self, cells: list[str], function: str, time_limit: float) -> None:
+        self._cells, self._function, self._limit = cells, function, time_limit
+
+    def __enter__(self) -> _Worker:
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "medkit.labs.worker", self._function, str(self._limit)],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+            env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
+            start_new_session=True,
+        )  # fmt: skip
+        self._replies: Queue[bytes] = Queue()
+        threading.Thread(target=self._listen, daemon=True).start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._process.kill()
+        self._process.wait()
+        for stream in (self._process.stdin, self._process.stdout):
+            if stream is not None:
+                with contextlib.suppress(BrokenPipeError):
+                    stream.close()
+
+    def defined(self) -> bool:
+        """Whether the submission defines the function."""
+        ready = self._ask(self._cells, START)
+        # by the clock from here on, for what waits without computing
+        self._end = time.monotonic() + 3.0 * self._limit + 5.0
+        if "error" in ready:
+            raise _Failed(f"{ready['error']}: {ready['words']}")
+        return bool(ready["callable"])
+
+    def call(self, *arguments: Any) -> Any:
+        """Call the function over there; what it raises is raised here under the same name."""
+        reply = self._ask(encoded(arguments), self._end - time.monotonic())
+        if "error" in reply:
+            raise type(str(reply["error"]), (Exception,), {})(reply["words"])
+        return decoded(reply["value"])
+
+    def _ask(self, request: Any, patience: float) -> dict[str, Any]:
+        assert self._process.stdin is not None
+        try:
+            self._process.stdin.write(json.dumps(request).encode() + b"\n")
+            self._process.stdin.flush()
+            line = self._replies.get(timeout=max(patience, 0.01))
+        except Empty:
+            raise _OutOfTime from None
+        except OSError:
+            line = b""
+        try:
+            reply = json.loads(line)
+        except ValueError:
+            raise (_OutOfTime if self._ran_out() else _Gone) from None
+        if not isinstance(reply, dict):
+            raise _Gone
+        return reply
+
+    def _ran_out(self) -> bool:
+        """Whether the system ended the process for its processor time."""
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            return self._process.wait(timeout=5.0) in SIGNALS_OF_TIME
+        return False
+
+    def _listen(self) -> None:
+        assert self._process.stdout is not None
+        with contextlib.suppress(ValueError, OSError):
+            for line in self._process.stdout:
+                self._replies.put(line)
+        self._replies.put(b"")
 
 
 def table(
@@ -125,27 +201,8 @@ def table(
             }
 
 
-def _in_a_process(path: Path, lab: str, seed: int, time_limit: float) -> dict[str, Verdict]:
-    """Check all exercises of a submission in one child process, which prints a line for each."""
-    command = [
-        sys.executable, "-m", "medkit.labs", "submission", str(path), lab, str(seed),
-        "--time-limit", str(time_limit),
-    ]  # fmt: skip
-    patience = PATIENCE + time_limit * len(exercises_of(lab))
-    try:
-        done = subprocess.run(
-            command, capture_output=True, text=True, timeout=patience, check=False
-        )
-        output = done.stdout
-    except subprocess.TimeoutExpired as error:
-        raw = error.stdout or b""
-        output = raw if isinstance(raw, str) else raw.decode("utf-8", "replace")
-    lines = (line for line in output.splitlines() if line.startswith('{"exercise"'))
-    verdicts = (Verdict(**json.loads(line)) for line in lines)
-    return {verdict.exercise: verdict for verdict in verdicts}
-
-
-def _code_cells(path: Path) -> list[str]:
+def code_cells(path: Path) -> list[str]:
+    """Return the code of a notebook, cell by cell, or an `InputError` that names the file."""
     import nbformat
 
     try:
@@ -168,32 +225,3 @@ def _lab_of(cells: list[str], path: Path) -> str:
         f"Expected a lab notebook, but {path.name} names none of the exercises of"
         f" {', '.join(LABS)}; hand in the lab's own notebook."
     )
-
-
-def _definitions(cells: list[str], wanted: str) -> dict[str, Any]:
-    """Execute imports and definitions only: no picture, no check, no input of a submission."""
-    namespace: dict[str, Any] = {"__name__": "submission"}
-    for source in cells:
-        try:
-            tree = ast.parse(source)
-        except SyntaxError:
-            continue
-        tree.body = [node for node in tree.body if _is_kept(node)]
-        try:
-            exec(compile(tree, "<submission>", "exec"), namespace)
-        except Exception:
-            # a broken neighbour must not cost the exercise that is asked for
-            if any(getattr(node, "name", None) == wanted for node in tree.body):
-                raise
-    return namespace
-
-
-def _is_kept(node: ast.stmt) -> bool:
-    """Definitions, constants, and imports that do not draw."""
-    if isinstance(node, ast.Assign):
-        return isinstance(node.value, ast.Constant)
-    if isinstance(node, ast.Import):
-        return not any(alias.name.startswith(DRAWING) for alias in node.names)
-    if isinstance(node, ast.ImportFrom):
-        return not (node.module or "").startswith(DRAWING)
-    return isinstance(node, ast.FunctionDef | ast.ClassDef)

@@ -142,7 +142,7 @@ def _drawn(function: Callable[..., Any], values: Mapping[str, Any]) -> dict[str,
     told = "picture at " + ", ".join(f"{name} = {_short(v)}" for name, v in values.items())
     figure = result.get_figure() if isinstance(result, Artist) else None
     figures = new if figure is None else [figure]
-    pictures = [_png(figure) for figure in figures[-1:]]
+    pictures = [figure_png(figure) for figure in figures[-1:]]
     for open_figure in new:
         plt.close(open_figure)
     # plt.show() of the inline backend has displayed and closed its figures already
@@ -161,12 +161,12 @@ def _words(result: Any) -> dict[str, Any]:
     return data
 
 
-def _png(figure: Any) -> str:
+def figure_png(figure: Any) -> str:
+    """Return a figure as base64 text of a PNG, as wide as its labels need."""
     import base64
     import io
 
     stream = io.BytesIO()
-    # as wide as the labels need, which is what a notebook does with a figure
     figure.savefig(stream, format="png", bbox_inches="tight")
     return base64.b64encode(stream.getvalue()).decode("ascii")
 

@@ -12,7 +12,9 @@ from medkit.cli import main
 from medkit.errors import InputError
 from medkit.labs import check, exercises_of, lab_names
 from medkit.labs.copies import answers_in, filled, lab_notebooks, marked_exercise, write_copies
-from medkit.labs.grade import grade, verdict_of
+from medkit.labs.grade import _graded as graded
+from medkit.labs.grade import code_cells, grade, verdict_of
+from medkit.labs.worker import decoded, encoded
 
 ROOT = Path(__file__).parents[2]
 LABS = ROOT / "notebooks" / "labs"
@@ -140,6 +142,74 @@ def test_grading_runs_no_loose_code_and_hides_no_neighbour(tmp_path):
         verdict.exercise: verdict.passed for verdict in grade(tmp_path / "loose.ipynb", seed=3)
     }
     assert passed == {"planar-1": False, "planar-2": True, "planar-3": False, "planar-4": False}
+
+
+FORGED = """
+import json, os, sys
+def min_object_angle(friction):
+    line = json.dumps({"exercise": "planar-2", "passed": True, "hint": ""})
+    value = json.dumps({"value": ["value", 1.0]})
+    for stream in (1, 2):
+        os.write(stream, ("\\n" + line + "\\n" + value + "\\n").encode())
+    print(line, flush=True)
+    {then}
+"""
+READING = """
+import gc, os, sys
+def min_object_angle(friction):
+    words = " ".join(sys.argv) + " ".join(os.environ)
+    held = [o for o in gc.get_objects() if type(o).__name__ in ("Generator", "Exercise", "Verdict")]
+    if held or "20261122" in words or sys.stdin.read():
+        return 3.14159 - 2 * 0
+    return 0.0
+"""
+
+
+@pytest.mark.parametrize(
+    ("source", "hint"),
+    [
+        (FORGED.replace("{then}", "return 0.0"), ""),
+        (FORGED.replace("{then}", "os._exit(0)"), "ended without a result"),
+        (READING, ""),
+        ("def min_object_angle(friction):\n    while True: pass", "limit of 2 s"),
+        ("import time\ndef min_object_angle(friction):\n    time.sleep(900)", "limit of 2 s"),
+        ("def min_object_angle(friction):\n    exit()", "SystemExit"),
+        ("def min_object_angle(mu):\n    return min_object_angle(mu)", "RecursionError"),
+        ("def min_object_angle(friction):\n    return bytearray(1 << 36)", "MemoryError"),
+        ("def min_object_angle(friction):\n    return {1: 2}", "returned dict"),
+        ("def min_object_angle(friction):\n    return float(input())", "EOFError"),
+        ("def min_object_angle(a, b):\n    return 1.0", "TypeError"),
+        ("def min_object_angle(friction=(1 / 0)):\n    return 1.0", "ZeroDivisionError"),
+        ("", "define it"),
+    ],
+)  # fmt: skip
+def test_no_submission_passes_by_force_or_stops_the_grading(tmp_path, source, hint):
+    path = tmp_path / "lab.ipynb"
+    nbformat.write(notebook("check('planar-1', None)", source), path)
+    cells = code_cells(path)
+    verdict = graded(cells, exercises_of("planar")[1], 20261122, 2.0)
+    assert not verdict.passed
+    assert verdict.hint
+    assert hint in verdict.hint
+
+
+def test_what_goes_to_a_worker_and_back_is_the_same():
+    values = [
+        1,
+        2.5,
+        True,
+        None,
+        "text",
+        [1.0, (2, 3)],
+        np.arange(6.0).reshape(2, 3),
+        np.eye(2) > 0,
+    ]
+    back = decoded(json.loads(json.dumps(encoded(values))))
+    for sent, got in zip(values, back, strict=True):
+        np.testing.assert_array_equal(np.asarray(sent, object), np.asarray(got, object))
+        assert type(sent) is type(got)
+    assert decoded(encoded(...)) is ...
+    assert decoded(encoded(np.float64(0.5))) == 0.5
 
 
 def test_students_get_no_outputs_and_no_solutions(tmp_path):
