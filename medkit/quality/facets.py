@@ -1,9 +1,9 @@
 """Compiled bookkeeping of a simplicial polytope: heap of facets, visible cap, new facets.
 
 A new facet's plane is the positive combination of the two planes that meet in its ridge, so that
-no linear system is solved and slivers do no harm. New facets find their neighbours by the sum of
-their ridges' vertex codes. The dimension is the length of a tuple, which the compiler knows: it
-then unrolls the short loops, and the whole takes half the time.
+no linear system is solved and slivers do no harm. New facets find their neighbours by walking
+around the face they share, through the visible facets. The dimension is the length of a tuple,
+which the compiler knows, so that it can unroll the short loops.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from numba import njit
 
 
 class Workspace(NamedTuple):
-    """Room for facets, their heap and the table in which new ridges meet.
+    """Room for facets, their heap and the lists of one expansion.
 
     With d the dimension, a row of `facets` holds d vertices, d neighbours, the mark of the last
     point it was held against (2 t visible, 2 t + 1 hidden) and a serial number. A row of `planes`
     holds the unit normal, the distance from the origin and the depth of the present point.
     `lists` holds the stack of free rows, the visible rows, and the horizon: visible row and slot
     of every ridge with a hidden neighbour. `counts` holds the rows in use, the free rows, the
-    heap's size, the serial and how often ridges were joined.
+    heap's size and the serial.
     """
 
     axes: tuple[int, ...]  # 0 to d - 1
@@ -31,10 +31,8 @@ class Workspace(NamedTuple):
     lists: np.ndarray  # (4, F) int32
     heap: np.ndarray  # (H, 2) int32: row, serial
     keys: np.ndarray  # (H,) float64
-    ridges: np.ndarray  # (T, 4) int64: key, row, slot, mark; T a power of two
-    codes: np.ndarray  # (P,) int64: random, so that their sums name sets of vertices
     points: np.ndarray  # (P, d) float64
-    counts: np.ndarray  # (5,) int64
+    counts: np.ndarray  # (4,) int64
 
 
 FREE, SEEN, BELOW, SLOT = 0, 1, 2, 3
@@ -42,8 +40,6 @@ FREE, SEEN, BELOW, SLOT = 0, 1, 2, 3
 
 def workspace(dimension: int, capacity: int) -> Workspace:
     """Room for `capacity` facets, a power of two, and a sixteenth as many points."""
-    limits = np.iinfo(np.int64)
-    codes = np.random.default_rng(6).integers(limits.min, limits.max, capacity // 16)
     return Workspace(
         tuple(range(dimension)),
         np.empty((capacity, 2 * dimension + 2), np.int32),
@@ -51,10 +47,8 @@ def workspace(dimension: int, capacity: int) -> Workspace:
         np.empty((4, capacity), np.int32),
         np.empty((2 * capacity, 2), np.int32),
         np.empty(2 * capacity),
-        np.zeros((8 * capacity, 4), np.int64),
-        codes,
         np.empty((capacity // 16, dimension)),
-        np.zeros(5, np.int64),
+        np.zeros(4, np.int64),
     )
 
 
@@ -149,22 +143,35 @@ def find_visible(work, start, vertex, turn, tolerance):  # type: ignore[no-untyp
 
 
 @njit(cache=True, error_model="numpy")
-def _meet(axes, facets, ridges, mask, row, slot, key, stamp):  # type: ignore[no-untyped-def]
-    """Join the new facet that waits at this ridge, or wait; -1 joined, 1 waiting, 0 broken."""
+def _slot_of(facets, row, first, count, value):  # type: ignore[no-untyped-def]
+    """Which of a row's `count` entries from `first` on is `value`."""
+    found = 0
+    for a in range(count):
+        if facets[row, first + a] == value:
+            found = a
+    return found
+
+
+@njit(cache=True, error_model="numpy")
+def _join(axes, facets, row, below, slot, across, limit):  # type: ignore[no-untyped-def]
+    """Join a new facet to the one across from its vertex in slot `across`; False when lost.
+
+    Both stand on the horizon, and both hold the d - 2 vertices that `below` has besides those
+    in its slots `slot` and `across`: turn about these, from visible facet to visible facet,
+    until the horizon is met again.
+    """
     d = len(axes)
-    place = key & mask
-    while ridges[place, 3] == stamp:
-        if ridges[place, 0] == key:
-            other, across = ridges[place, 1], ridges[place, 2]
-            if across < 0:
-                return 0
-            facets[row, d + slot] = other
-            facets[other, d + across] = row
-            ridges[place, 2] = -1
-            return -1
-        place = (place + 1) & mask
-    ridges[place, 0], ridges[place, 1], ridges[place, 2], ridges[place, 3] = key, row, slot, stamp
-    return 1
+    here, out, kept = below, across, slot
+    for _ in range(limit):
+        there = np.int64(facets[here, d + out])
+        if there < 0:
+            facets[row, d + across] = -1 - there
+            facets[-1 - there, d + kept] = row
+            return True
+        out = _slot_of(facets, there, 0, d, facets[here, kept])
+        kept = _slot_of(facets, there, d, d, here)
+        here = there
+    return False
 
 
 @njit(cache=True, error_model="numpy")
@@ -182,6 +189,7 @@ def _cap(axes, facets, planes, row, below, slot, beyond, vertex):  # type: ignor
         planes[row, a] *= shrink
     for a in range(d):
         facets[row, a] = facets[below, a]
+        facets[row, d + a] = -1  # nobody yet
         if facets[beyond, d + a] == below:
             facets[beyond, d + a] = row
     facets[row, slot] = vertex
@@ -190,55 +198,41 @@ def _cap(axes, facets, planes, row, below, slot, beyond, vertex):  # type: ignor
 
 
 @njit(cache=True, error_model="numpy")
-def _mask(ridges, count):  # type: ignore[no-untyped-def]
-    """Use no more of the table of ridges than `count` entries need, so that it stays at hand."""
-    size = 64
-    while size < 2 * count and size < ridges.shape[0]:
-        size *= 2
-    return size - 1
+def _take_row(counts, lists):  # type: ignore[no-untyped-def]
+    """A row that is free."""
+    if counts[1] > 0:
+        counts[1] -= 1
+        return np.int64(lists[FREE, counts[1]])
+    counts[0] += 1
+    return counts[0] - 1
 
 
 @njit(cache=True, error_model="numpy")
-def attach(work, seen, horizon, vertex, turn, bound):  # type: ignore[no-untyped-def]
+def attach(work, seen, horizon, vertex, bound):  # type: ignore[no-untyped-def]
     """Replace the visible facets by the cone over their horizon; False when it does not close."""
     d = len(work.axes)
-    facets, planes, counts, lists, codes = (
-        work.facets,
-        work.planes,
-        work.counts,
-        work.lists,
-        work.codes,
-    )
-    counts[4] += 1  # never starts again, as the table outlives a grasp
-    mask = _mask(work.ridges, horizon * (d - 1))
-    waiting = 0
+    facets, planes, counts, lists = work.facets, work.planes, work.counts, work.lists
     for index in range(horizon):
-        below, slot = lists[BELOW, index], lists[SLOT, index]
-        if counts[1] > 0:
-            counts[1] -= 1
-            row = np.int64(lists[FREE, counts[1]])
-        else:
-            row = counts[0]
-            counts[0] += 1
-        _cap(work.axes, facets, planes, row, below, slot, facets[below, d + slot], vertex)
+        below, slot = np.int64(lists[BELOW, index]), np.int64(lists[SLOT, index])
+        row, beyond = _take_row(counts, lists), np.int64(facets[below, d + slot])
+        _cap(work.axes, facets, planes, row, below, slot, beyond, vertex)
         facets[row, 2 * d + 1] = counts[3]
+        facets[below, d + slot] = -1 - row  # the sign by which `_join` knows the horizon
         if planes[row, d] < bound:
             push(work.keys, work.heap, counts[2], planes[row, d], row, counts[3])
             counts[2] += 1
         counts[3] += 1
-        total = np.int64(0)
+    for index in range(horizon):
+        below, slot = np.int64(lists[BELOW, index]), np.int64(lists[SLOT, index])
+        row = -1 - np.int64(facets[below, d + slot])
         for a in range(d):
-            total += codes[facets[row, a]]
-        for a in range(d):
-            if a != slot:
-                key = total - codes[facets[row, a]]
-                joined = _meet(work.axes, facets, work.ridges, mask, row, a, key, counts[4])
-                if joined == 0:
-                    return False
-                waiting += joined
+            if facets[row, d + a] < 0 and not _join(
+                work.axes, facets, row, below, slot, a, seen + 1
+            ):
+                return False
     for index in range(seen):
         row = np.int64(lists[SEEN, index])
         facets[row, 2 * d + 1] = -1
         lists[FREE, counts[1]] = row
         counts[1] += 1
-    return waiting == 0
+    return True

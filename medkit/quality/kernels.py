@@ -214,7 +214,7 @@ def _grow(  # type: ignore[no-untyped-def]
             or counts[2] + horizon > work.keys.shape[0]
         ):
             return FULL, lower, upper, turn
-        if not attach(work, seen, horizon, vertex, turn, upper):
+        if not attach(work, seen, horizon, vertex, upper):
             return FAILED, lower, upper, turn
 
 
