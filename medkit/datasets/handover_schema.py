@@ -157,7 +157,7 @@ def table_problems(table: pd.DataFrame) -> list[RowProblem]:
         return [RowProblem(2, "pose", "expected at least one row, the table is empty")]
     problems = [problem for field in required for problem in _field_problems(table, field)]
     if not problems:
-        problems = _empty_cells(table) + _repeated_cells(table)
+        problems = _kilograms(table) + _empty_cells(table) + _repeated_cells(table)
     return sorted(problems, key=lambda problem: problem.line)
 
 
@@ -179,6 +179,16 @@ def _field_problems(table: pd.DataFrame, field: Mapping[str, Any]) -> list[RowPr
         RowProblem(int(row) + 2, field["name"], f"expected {expected}, came {text.iloc[row]!r}")
         for row in np.flatnonzero(bad)
     ]
+
+
+def _kilograms(table: pd.DataFrame) -> list[RowProblem]:
+    """A table in which nothing weighs more than a sheet of paper was written in kilograms."""
+    weight = table["weight_g"].astype(float).to_numpy()
+    row = int(weight.argmax())
+    if weight[row] >= 5.0:
+        return []
+    message = f"expected grams, but the heaviest object weighs {weight[row]:g}; kilograms?"
+    return [RowProblem(row + 2, "weight_g", message)]
 
 
 def _empty_cells(table: pd.DataFrame) -> list[RowProblem]:

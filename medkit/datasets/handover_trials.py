@@ -103,20 +103,50 @@ def load_handover_table(
     return _typed(table)
 
 
+#: What the first bytes of a file say it is instead of a table in UTF-8, and what to do.
+_OTHER_KINDS = {
+    b"PK\x03\x04": "is an Excel workbook; save it as CSV (UTF-8)",
+    b"\xd0\xcf\x11\xe0": "is an old Excel workbook; save it as CSV (UTF-8)",
+    b"\xff\xfe": "is text in UTF-16; save it as CSV (UTF-8)",
+    b"\xfe\xff": "is text in UTF-16; save it as CSV (UTF-8)",
+}
+
+
 def _read(path: Path) -> pd.DataFrame:
     """Read every cell as text, so that the complaint can quote what stands there."""
     try:
+        with open(path, "rb") as file:
+            start = file.read(4096)
+        for mark, kind in _OTHER_KINDS.items():
+            if start.startswith(mark):
+                raise InputError(f"Expected a CSV table, but {path} {kind}.")
         table = pd.read_csv(
             path, dtype=str, keep_default_na=False, skipinitialspace=True, encoding="utf-8-sig"
         )
-    except (OSError, UnicodeDecodeError, pd.errors.ParserError, pd.errors.EmptyDataError) as error:
-        reason = " ".join(str(error).split())
+    except UnicodeDecodeError as error:
+        raise InputError(
+            f"Expected a CSV table in UTF-8, but byte {error.start} of {path} is"
+            f" 0x{error.object[error.start]:02x}; save it again as CSV (UTF-8)."
+        ) from error
+    except (OSError, pd.errors.ParserError, pd.errors.EmptyDataError) as error:
+        reason = getattr(error, "strerror", None) or " ".join(str(error).split())
         raise InputError(
             f"Expected a readable CSV table at {path}, but reading failed ({reason});"
             " pass a file with the columns of data/handover_trials/schema.json."
         ) from error
     table.columns = [str(name).strip() for name in table.columns]
+    _check_separator(table, path)
     return table
+
+
+def _check_separator(table: pd.DataFrame, path: Path) -> None:
+    """A table of one column whose heading holds another separator was exported with that one."""
+    for mark, name in ((";", "semicolons"), ("\t", "tabs"), ("|", "bars")):
+        if len(table.columns) == 1 and mark in table.columns[0]:
+            raise InputError(
+                f"Expected columns separated by commas, but {path} separates them by {name};"
+                " export it with commas and points in numbers."
+            )
 
 
 def _mapped(table: pd.DataFrame, ratings: Mapping[str, str]) -> pd.DataFrame:

@@ -100,7 +100,7 @@ def claims(
     Raises
     ------
     InputError
-        If the table has fewer than two subjects.
+        If the table has fewer than two subjects, or one kind of rating only.
 
     Examples
     --------
@@ -115,6 +115,13 @@ def claims(
         raise InputError(
             f"Expected trials of at least two subjects, came {len(cells.subjects)}; an interval"
             " for people needs more than one person."
+        )
+    given = cells.counts.sum(axis=0)
+    if np.count_nonzero(given) < 2:
+        kind = ("bad", "acceptable", "good")[int(given.argmax())]
+        raise InputError(
+            f"Expected ratings of at least two kinds, came {int(given.sum())} that are all {kind};"
+            " nothing can be told apart in such a table."
         )
     strata = stratum_codes(cells.subject, cells.pose, cells.mode, cells.force)
     weights = bootstrap_weights(strata, draws, rng)

@@ -55,7 +55,8 @@ def subject_coefficients(cells: RatingCells, design: Array, multiplicity: Array)
     Returns
     -------
     (m, s, p) ndarray
-        NaN for a subject without a rating, and for a column that does not vary for a subject.
+        NaN for a subject without a rating or with one kind of rating only, and for a column that
+        does not vary for a subject.
     """
     first, counts = subject_tables(cells, multiplicity)
     draws, subjects = counts.shape[:2]
@@ -67,6 +68,7 @@ def subject_coefficients(cells: RatingCells, design: Array, multiplicity: Array)
     result[present] = fit_cumulative_logit(design[first], flat[present], start=start).coefficients
     stacked: Array = result.reshape(draws, subjects, -1)
     stacked[:, ~subject_variation(design[first], counts)] = np.nan
+    stacked[:, ~_mixed_ratings(cells)] = np.nan
     return stacked
 
 
@@ -83,6 +85,12 @@ def subject_variation(design: Array, counts: Array) -> Array:
     met = counts.sum(axis=(0, 3)) > 0
     return np.array([np.ptp(design[own], axis=0) > 0 if own.any() else False * design[0] > 0
                      for own in met])  # fmt: skip
+
+
+def _mixed_ratings(cells: RatingCells) -> Array:
+    """Return which subjects gave more than one kind of rating; the others tell of no effect."""
+    kinds = [cells.counts[cells.subject == who].sum(axis=0) for who in range(len(cells.subjects))]
+    return np.array([np.count_nonzero(kind) > 1 for kind in kinds])
 
 
 def force_effect(cells: RatingCells, multiplicity: Array) -> Array:

@@ -142,11 +142,12 @@ def permutation_p(
     strata, values = strata[order].astype(float), values[order]
     coefficients = _centred(coefficients[order], strata)
     seen = abs(float(coefficients @ values))
+    rounding = 1e-12 * float(np.abs(coefficients) @ np.abs(values))
     reached = 0
     for start in range(0, draws, 200):
         keys = strata + rng.random((min(200, draws - start), len(values)))
         shuffled = values[np.argsort(keys, axis=1)]
-        reached += int((np.abs(shuffled @ coefficients) >= seen * (1 - 1e-12) - 1e-15).sum())
+        reached += int((np.abs(shuffled @ coefficients) >= seen - rounding).sum())
     return (reached + 1) / (draws + 1)
 
 

@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 from medkit.errors import InputError
-from medkit.handover import claims, load_trials, with_light_object
+from medkit.handover import claims, load_trials, subject_estimates, with_light_object
 from medkit.handover.claims import verdict
 from medkit.handover.resampling import (
     bootstrap_weights,
@@ -157,3 +157,23 @@ def test_sign_flips_and_holm():
     assert sign_flip_p(np.array([1.0, -1.0, 2.0])) == 0.75
     corrected = holm(np.array([0.001, np.nan, 0.5, 0.02]))
     np.testing.assert_allclose(corrected, [0.003, np.nan, 0.5, 0.04])
+
+
+def test_a_person_who_says_one_word_only_has_no_effects(trials):
+    words = ["good", "acceptable", "bad"]
+    changed = trials.copy()
+    mute = changed["subject"] == "T2"
+    changed.loc[mute, words] = [4, 0, 0]
+    single = subject_estimates(changed)
+    assert single.loc[[1, 2, 3, 4], "T2"].isna().all()
+    assert np.allclose(single.loc[[1, 2, 3, 4], "T1"], subject_estimates(trials).loc[1:4, "T1"])
+    changed[words] = [0, 4, 0]
+    with pytest.raises(InputError, match="that are all acceptable"):
+        claims(changed, **FEW)
+
+
+def test_shuffling_what_does_not_vary_proves_nothing():
+    rng = np.random.default_rng(0)
+    strata = np.repeat(np.arange(40), 9)
+    forces = np.sqrt(np.tile([0.5, 1, 2, 5, 7, 10, 12, 15, 20], 40))
+    assert permutation_p(forces, np.full(360, 0.3), strata, draws=99, rng=rng) == 1.0

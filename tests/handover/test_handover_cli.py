@@ -63,3 +63,51 @@ def test_nothing_is_left_half_written(tmp_path, capsys):
 def test_bad_arguments_give_one_sentence(capsys, arguments):
     assert main(["handover", *arguments]) == 2
     assert capsys.readouterr().err.count("\n") == 1
+
+
+def spoilt(lines, kind):
+    """The thesis's table as a lab might hand it over by mistake."""
+    text = "".join(lines)
+    if kind == "rated alike":
+        rows = [",".join([*line.split(",")[:5], "4,0,0"]) + "\n" for line in lines[1:]]
+        return (",".join(lines[0].split(",")[:8]).strip() + "\n" + "".join(rows)).encode()
+    if kind == "kilograms":
+        cells = [line.split(",") for line in lines[1:]]
+        return (lines[0] + "".join(
+            ",".join([*row[:3], str(float(row[3]) / 1000), *row[4:]]) for row in cells
+        )).encode()  # fmt: skip
+    return {
+        "semicolons": text.replace(",", ";").encode(),
+        "tabs": text.replace(",", "\t").encode(),
+        "workbook": b"PK\x03\x04" + bytes(60),
+        "utf16": text.encode("utf-16"),
+        "latin1": text.replace("T1", "Jörg").encode("latin-1"),
+        "bytes": bytes(range(256)),
+        "empty": b"",
+        "heading": lines[0].encode(),
+    }[kind]
+
+
+@pytest.mark.parametrize(
+    ("kind", "said"),
+    [
+        ("semicolons", "separates them by semicolons; export it with commas"),
+        ("tabs", "separates them by tabs"),
+        ("workbook", "is an Excel workbook; save it as CSV"),
+        ("utf16", "is text in UTF-16"),
+        ("latin1", "byte [0-9]+ of .* is 0xf6; save it again as CSV"),
+        ("bytes", "in UTF-8, but byte"),
+        ("empty", "No columns to parse"),
+        ("heading", "the table is empty"),
+        ("kilograms", "expected grams, but the heaviest object weighs 1; kilograms\\?"),
+        ("rated alike", "came 3456 that are all good"),
+    ],
+)
+def test_a_file_of_another_kind_is_named(tmp_path, capsys, lines, kind, said):
+    table = tmp_path / "lab.csv"
+    table.write_bytes(spoilt(lines, kind))
+    assert main(["handover", str(table)]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    assert re.search(said, captured.err)
