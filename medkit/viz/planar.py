@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
@@ -111,8 +112,9 @@ def plot_object_angle_bound(*, friction: float | None = None, ax: Any = None) ->
         height = 4.0 + 9.0 * row
         axes.plot([pair.low, min(pair.high, 1.6)], [height, height], color=ORANGE, marker="|", ms=8)
         side = pair.low - 0.02 if pair.low > 0.5 else min(pair.high, 1.6) + 0.02
+        name = pair.name if pair.high <= 1.6 else f"{pair.name} (up to {pair.high:g})"
         axes.text(
-            side, height, pair.name, va="center", fontsize=8,
+            side, height, name, va="center", fontsize=8,
             ha="right" if pair.low > 0.5 else "left",
         )  # fmt: skip
     if friction is not None:
@@ -122,7 +124,7 @@ def plot_object_angle_bound(*, friction: float | None = None, ax: Any = None) ->
             f"{mark:.1f} deg", (friction, mark), xytext=(8, 8), textcoords="offset points"
         )
     axes.set(xlabel="coefficient of static friction [1]", ylabel="object angle [deg]",
-             xlim=(0.0, 1.6), ylim=(0.0, 182.0))  # fmt: skip
+             xlim=(0.0, 1.6), ylim=(0.0, 182.0), yticks=range(0, 181, 30))  # fmt: skip
     axes.legend(loc="upper right")
     return axes
 
@@ -152,7 +154,9 @@ def plot_medial_axis(axis: MedialAxis, *, ax: Any = None, colorbar: bool = True)
         cmap=SEQUENTIAL, vmin=0.0, vmax=180.0, zorder=3,
     )  # fmt: skip
     if colorbar:
-        axes.figure.colorbar(dots, ax=axes, label="object angle [deg]", shrink=0.8)
+        axes.figure.colorbar(
+            dots, ax=axes, label="object angle [deg]", shrink=0.8, ticks=range(0, 181, 60)
+        )
     return axes
 
 
@@ -173,7 +177,7 @@ def plot_disks(axis: MedialAxis, indices: Any, *, ax: Any = None, color: str = B
 def plot_grasp(
     outline: Outline, points: Any, normals: Any, *, friction: float, ax: Any = None
 ) -> Any:
-    """Draw an outline with contacts, their inward normals and cones; green if force-closure."""
+    """Draw an outline with contacts, their inward normals and cones, and say if they hold it."""
     axes = plot_outline(outline, ax=ax)
     held = is_force_closure(points, normals, friction=friction, outline=outline)
     length = 450.0 * outline.characteristic_length
@@ -184,6 +188,7 @@ def plot_grasp(
                       "headwidth": 7.0, "headlength": 7.0, "color": BLACK})  # fmt: skip
         axes.update_datalim([start, start + way])
     axes.autoscale_view()
+    axes.set_title("force closure" if held else "no force closure")
     return axes
 
 
@@ -209,19 +214,20 @@ def plot_wrench_space(
         Forces [N] and torque over characteristic length [N], normal forces adding up to 1 N.
     """
     axes = axes_or_new(ax, projection="3d")
+    axes.computed_zorder = False  # else the ball shows through the body in the body's colour
     wrenches = primitive_wrenches(points, normals, friction=friction, outline=outline)
     if np.linalg.matrix_rank(wrenches - wrenches.mean(axis=0), tol=1e-9) == 3:
         hull = ConvexHull(wrenches)
         body = Poly3DCollection(wrenches[hull.simplices], alpha=0.25, facecolor=SKY,
-                                edgecolor=BLUE, lw=0.5)  # fmt: skip
+                                edgecolor=BLUE, lw=0.5, zorder=1)  # fmt: skip
         axes.add_collection3d(body)
-    axes.scatter(*wrenches.T, color=BLUE, s=12)
+    axes.scatter(*wrenches.T, color=BLUE, s=12, zorder=3)
     radius = epsilon(points, normals, friction=friction, outline=outline).lower
     if radius > 0.0:
         u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 25), np.linspace(0, np.pi, 13))
         ball = radius * np.array([np.cos(u) * np.sin(v), np.sin(u) * np.sin(v), np.cos(v)])
-        axes.plot_surface(*ball, color=ORANGE, alpha=0.9, lw=0)
-    axes.scatter([0], [0], [0], color=BLACK, s=20)
+        axes.plot_surface(*ball, color=ORANGE, alpha=0.9, lw=0, zorder=2)
+    axes.scatter([0], [0], [0], color=BLACK, s=20, zorder=4)
     reach = 1.05 * np.abs(wrenches).max()
     axes.set(xlabel="fx [N]", ylabel="fy [N]", zlabel="torque / length [N]",
              xlim=(-reach, reach), ylim=(-reach, reach), zlim=(-reach, reach))  # fmt: skip
@@ -241,3 +247,61 @@ def plot_edge_pair(outline: Outline, pair: EdgePair, *, ax: Any = None) -> Any:
         axes.plot(*(1e3 * ends.T), color=color, lw=6, marker="", solid_capstyle="butt", zorder=3)
     axes.set_title(f"edges {pair.first} and {pair.second}: {1e3 * pair.room:.1f} mm of room")
     return axes
+
+
+def plot_region(pair: EdgePair, places: Any, held: Any, *, ax: Any = None) -> Any:
+    """Draw the good region of a pair of edges with its largest box, and grasps that were asked.
+
+    Parameters
+    ----------
+    pair : EdgePair
+        Region and box.
+    places : array-like, shape (n, 2)
+        Places on both edges [m].
+    held : array-like of bool, shape (n,)
+        Which of them were found force-closure.
+    ax : matplotlib Axes, optional
+        Where to draw.
+
+    Returns
+    -------
+    matplotlib Axes
+        Place on the first edge against place on the second [mm].
+    """
+    axes, spots, good = axes_or_new(ax), 1e3 * np.asarray(places), np.asarray(held, dtype=bool)
+    axes.fill(*(1e3 * pair.region.T), color="#DDDDDD", label="good region")
+    axes.plot(*spots[good].T, "o", color=GREEN, ms=2.5, ls="", label="force closure")
+    axes.plot(*spots[~good].T, "x", color=VERMILION, ms=4, mew=0.8, ls="", label="not")
+    (s0, s1), (t0, t1) = 1e3 * pair.independent
+    axes.plot([s0, s1, s1, s0, s0], [t0, t0, t1, t1, t0], color=BLACK, marker="",
+              label="independent")  # fmt: skip
+    axes.set(xlabel="place on the first edge [mm]", ylabel="place on the second edge [mm]")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=4)
+    return axes
+
+
+def plot_graspable_shares(shares: dict[tuple[str, str], Any]) -> Any:
+    """Draw per shape and material how much of the axis holds; returns the figure.
+
+    Parameters
+    ----------
+    shares : dict of (shape, material) to pair of float
+        Share of the axis at the lower and at the upper end of the range of friction, 0 to 1.
+
+    Returns
+    -------
+    matplotlib Figure
+        One panel per shape; careful and lucky shares [%].
+    """
+    shapes = list(dict.fromkeys(shape for shape, _ in shares))
+    names = list(dict.fromkeys(name for _, name in shares))
+    figure, panels = plt.subplots(
+        1, len(shapes), figsize=(2.9 * len(shapes), 3.4), sharey=True, squeeze=False
+    )
+    for panel, shape in zip(panels[0], shapes, strict=True):
+        low, high = 100 * np.array([shares[shape, name] for name in names]).T
+        panel.barh(names, high, color=SKY, hatch="//", edgecolor="white", label="lucky")
+        panel.barh(names, low, color=BLUE, label="careful")
+        panel.set(title=shape, xlabel="graspable [% of axis]", xlim=(0, 100))
+    figure.legend(*panels[0][0].get_legend_handles_labels(), loc="outside upper right", ncols=2)
+    return figure

@@ -133,7 +133,7 @@ def plot_phase_diagram(diagram: PhaseDiagram, *, ax: Any = None) -> Any:
               label="bound")  # fmt: skip
     axes.set(xlabel="coefficient of friction [1]", ylabel="object angle [deg]")
     axes.set_ylim(np.degrees(diagram.object_angles).min() - 3, 183)
-    axes.legend(loc="lower left", frameon=True)
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
     return axes
 
 
@@ -159,12 +159,13 @@ def plot_agreement(table: pd.DataFrame, *, ax: Any = None) -> Any:
                   for t in (table[table["shape"] == s] for s in shapes)]  # fmt: skip
     left = np.zeros(len(shapes))
     rest = 1.0 - np.array(same) - np.array(only_bound)
-    for share, color, label in (
-        (np.array(same), GREEN, "agree"),
-        (np.array(only_bound), VERMILION, "bound says hold, slips"),
-        (rest, ORANGE, "bound says slip, holds"),
+    for share, color, hatch, label in (
+        (np.array(same), GREEN, "", "agree"),
+        (np.array(only_bound), VERMILION, "//", "bound says hold, slips"),
+        (rest, ORANGE, "..", "bound says slip, holds"),
     ):  # fmt: skip
-        axes.barh(shapes, 100 * share, left=100 * left, color=color, label=label)
+        axes.barh(shapes, 100 * share, left=100 * left, color=color, hatch=hatch,
+                  edgecolor="white", lw=0.5, label=label)  # fmt: skip
         left = left + share
     axes.set(xlabel="share of simulated squeezes [%]", xlim=(0, 100))
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16), ncols=3)
