@@ -27,6 +27,9 @@ def assemble(document: Fields, parts: Parts) -> Hand:
         _finger(fields, parts, actuated, tree, bodies) for fields in document.sections("fingers")
     )
     radii = document.section("sphere_radius").allow("min", "max")
+    preshapes = _preshapes(document, parts, actuated, limits)
+    palm = document.unit_vector("palm_direction")
+    power = read_placement(document.section("power_frame").allow("xyz", "rpy"))
     return Hand(
         name=document.text("name"),
         joint_names=actuated,
@@ -35,10 +38,10 @@ def assemble(document: Fields, parts: Parts) -> Hand:
         link_names=tuple(parts.link_names),
         fingers=fingers,
         bodies=bodies,
-        palm_direction=document.unit_vector("palm_direction"),
+        palm_direction=palm,
         closing_axis=document.unit_vector("closing_axis"),
-        T_hand_power=read_placement(document.section("power_frame").allow("xyz", "rpy")),
-        preshapes=_preshapes(document, parts, actuated, limits),
+        T_hand_power=on_the_palm(power, palm, tree.link_poses(preshapes["power"]), bodies),
+        preshapes=preshapes,
         opposition=_opposition(document, fingers),
         sphere_radii=(
             radii.number("min", scale=radii.length),
@@ -97,6 +100,61 @@ def _bodies(parts: Parts) -> tuple[LinkBody, ...]:
         except InputError as error:
             raise InputError(f"The body of link {link.name!r} cannot be used: {error}") from error
     return tuple(bodies)
+
+
+def on_the_palm(
+    frame: Floats, palm_direction: Floats, poses: Floats, bodies: Sequence[LinkBody]
+) -> Floats:
+    """Draw a frame back along the palm direction until it lies on the hand.
+
+    P13 (4.6.1) starts a power grasp with hand and object inside each other and draws the hand
+    back to the first free pose, so the object ends at the palm. A frame described in front of
+    the palm, at a grasp centre point say, would leave a thin object hanging in the air.
+
+    Parameters
+    ----------
+    frame : ndarray, shape (4, 4)
+        ``T_hand_power`` as described [m].
+    palm_direction : ndarray, shape (3,)
+        Unit vector in which the palm faces, hand base frame.
+    poses : ndarray, shape (L, 4, 4)
+        Poses of the links in the preshape [m].
+    bodies : sequence of LinkBody
+        Bodies of the links.
+
+    Returns
+    -------
+    ndarray, shape (4, 4)
+        The frame on the foremost body behind it; unchanged when there is none, or inside one.
+
+    Examples
+    --------
+    >>> corners = [[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-0.2, 0.1)]
+    >>> slab = LinkBody(0, *convex_body(corners))
+    >>> frame = np.eye(4)
+    >>> frame[2, 3] = 0.5
+    >>> on_the_palm(frame, np.array([0, 0, 1.0]), np.eye(4)[None], [slab])[:3, 3].tolist()
+    [0.0, 0.0, 0.1]
+    """
+    back = min(_way_back(frame[:3, 3], palm_direction, poses[b.link], b) for b in bodies)
+    moved = frame.copy()
+    if np.isfinite(back):
+        moved[:3, 3] -= back * palm_direction
+    return moved
+
+
+def _way_back(point: Floats, direction: Floats, pose: Floats, body: LinkBody) -> float:
+    """How far behind a point (3,) a body begins [m]; 0 for a point inside, infinite for none."""
+    corners = body.vertices[body.faces] @ pose[:3, :3].T + pose[:3, 3]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    height = ((point - corners[:, 0]) * normals).sum(axis=1)
+    slope = normals @ direction
+    # after going back by w the point is inside where height <= w slope at every plane
+    ahead, behind = slope > 0.0, slope < 0.0
+    first = (height[ahead] / slope[ahead]).max(initial=0.0)
+    last = (height[behind] / slope[behind]).min(initial=np.inf)
+    beside = bool((height[slope == 0.0] > 0.0).any())
+    return float("inf") if beside or first > last else float(first)
 
 
 def _finger(

@@ -96,7 +96,8 @@ class Hand:
         Unit vector of the hand's orientation in the same frame, laid along the axis of what
         is grasped (P13 4.21).
     T_hand_power : ndarray, shape (4, 4)
-        Frame whose origin is put at the grasp point of a power grasp [m].
+        Frame on the palm whose origin is put at the grasp point of a power grasp, before the
+        hand is drawn back until it is free of the object [m].
     preshapes : mapping of str to ndarray, shape (nq,)
         Joint coordinates to start from: ``"power"`` and ``"precision"``.
     opposition : Opposition
