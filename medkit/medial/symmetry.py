@@ -114,9 +114,7 @@ def local_symmetry(
             " pass the smaller threshold as rho_axis."
         )
     nonnegative(point_spread, "point_spread")
-    # queries in cell order reuse what the last one left in the processor's cache
-    queries = grid.axis.centers[grid.order]
-    counts, moments = kernels.local_moments(queries, reach, *grid.cells())
+    counts, moments = kernels.local_moments(reach, *grid.cells())
     values, vectors = kernels.principal_axes(moments)
     back = np.empty_like(grid.order)
     back[grid.order] = np.arange(len(grid.order))
@@ -131,13 +129,5 @@ def local_symmetry(
         [SymmetryKind.TOO_FEW, SymmetryKind.POINT, SymmetryKind.AXIS, SymmetryKind.RIM],
         SymmetryKind.INTERIOR,
     ).astype(np.int8)
-    e1, e2 = _oriented(vectors[:, 0]), _oriented(vectors[:, 1])
     centroid = grid.axis.centers + moments[:, :3]
-    return LocalSymmetry(kind, rho, e1, e2, values, centroid, counts, reach)
-
-
-def _oriented(vectors: Floats) -> Floats:
-    """Flip each vector so that its component of largest size is positive."""
-    largest = np.argmax(np.abs(vectors), axis=1)
-    signs = np.sign(vectors[np.arange(len(vectors)), largest])
-    return vectors * np.where(signs == 0.0, 1.0, signs)[:, None]
+    return LocalSymmetry(kind, rho, vectors[:, 0], vectors[:, 1], values, centroid, counts, reach)

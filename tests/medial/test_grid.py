@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from medkit.errors import InputError
+from medkit.geometry import random_rotation
 from medkit.grasping import MedialAxis, MedialSphereGrid
 from medkit.medial.grid import cell_indices, cell_layout
 
@@ -91,6 +92,19 @@ def test_every_sphere_is_in_the_grid_once():
     assert np.array_equal(np.sort(grid.order), np.arange(500))
     assert grid.starts[0] == 0
     assert grid.starts[-1] == 500
+
+
+def test_neighbours_are_the_same_when_the_set_is_turned():
+    rng = np.random.default_rng(8)
+    flat = rng.normal(size=(800, 3)) * [1.0, 0.6, 0.02]
+    for _ in range(3):
+        turned = flat @ random_rotation(rng).T + rng.normal(size=3)
+        found = [
+            MedialSphereGrid.from_axis(axis_of(centers)).neighbors(np.arange(800), 0.31)
+            for centers in (flat, turned)
+        ]
+        assert np.array_equal(found[0].offsets, found[1].offsets)
+        assert np.array_equal(found[0].members, found[1].members)
 
 
 def test_search_work_counts_cells_and_candidates():

@@ -3,7 +3,9 @@
 import numpy as np
 import pytest
 import trimesh
+from scipy.spatial import cKDTree
 
+from medkit.datasets import load_object
 from medkit.errors import InputError
 from medkit.geometry import random_rotation
 from medkit.grasping import (
@@ -14,7 +16,7 @@ from medkit.grasping import (
     local_symmetry,
     medial_axis,
 )
-from medkit.medial.grid_kernels import principal_axes
+from medkit.medial.grid_kernels import local_moments, principal_axes
 
 create = trimesh.creation
 
@@ -44,6 +46,40 @@ def test_pca_equals_numpy_for_every_sphere():
             assert result.rho[i] == pytest.approx(values[1] / values[2], abs=1e-7)
             assert abs(result.e1[i] @ vectors[:, 2]) == pytest.approx(1.0, abs=1e-6)
             assert abs(result.e2[i] @ vectors[:, 1]) == pytest.approx(1.0, abs=1e-6)
+
+
+def uneven_sets():
+    """Centres in a cube, on a sheet, on a line, on a curved sheet, and many in one place."""
+    rng = np.random.default_rng(3)
+    cube = rng.uniform(size=(700, 3))
+    yield cube
+    yield cube * [2.0, 2.0, 1e-3]
+    yield cube * [9.0, 1e-3, 1e-3]
+    yield np.c_[cube[:, :2], 0.3 * np.sin(6.0 * cube[:, 0])] @ random_rotation(rng)
+    yield np.vstack([cube[:300], np.full((300, 3), 0.5), np.round(cube[:100] * 4) / 4])
+
+
+@pytest.mark.parametrize("density", [0.3, 4.0, 60.0])
+@pytest.mark.parametrize("shift", [0.0, 1e4])
+def test_moments_equal_brute_force(density, shift):
+    """Cells share what is in reach of all their spheres, and nobody can tell."""
+    for plain in uneven_sets():
+        centers = plain + shift
+        n = len(centers)
+        axis = MedialAxis(centers, np.ones(n), np.full(n, np.pi), np.zeros((n, 2, 3)), 0.01, 1.0)
+        grid = MedialSphereGrid.from_axis(axis, cell_density=density)
+        for radius in (0.25, 0.5):
+            number, moments = local_moments(radius, *grid.cells())
+            for place in range(0, n, 29):
+                offsets = centers - centers[grid.order[place]]
+                dx, dy, dz = offsets.T
+                near = offsets[dx * dx + dy * dy + dz * dz <= radius * radius]
+                assert number[place] == len(near)
+                xx, yy, zz, xy, xz, yz = moments[place, 3:]
+                expected = np.cov(near.T, bias=True) if len(near) > 1 else np.zeros((3, 3))
+                found = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+                assert np.abs(found - expected).max() <= 1e-12 * max(np.trace(expected), 1e-3)
+                assert np.abs(moments[place, :3] - near.mean(axis=0)).max() < 1e-12 * radius
 
 
 def test_jacobi_equals_lapack_also_for_repeated_and_zero_eigenvalues():
@@ -119,6 +155,34 @@ def test_rotation_turns_the_axes_and_keeps_the_kinds():
     assert np.array_equal(a.kind, b.kind)
     clear = (a.rho < 0.9) & (a.kind != SymmetryKind.TOO_FEW)
     assert np.abs(np.sum(a.e1[clear] @ R.T * b.e1[clear], axis=1)).min() > 1.0 - 1e-6
+
+
+MOVED = {
+    "box": create.box((0.2, 0.1, 0.05)),
+    "capsule": create.capsule(0.2, 0.03, count=[32, 32]),
+    "torus": create.torus(0.08, 0.02, 64, 32),
+    "hammer": load_object("hammer"),
+}
+
+
+@pytest.mark.parametrize("name", MOVED)
+def test_axis_and_symmetry_move_with_the_mesh(name):
+    mesh = MOVED[name]
+    rng = np.random.default_rng(11)
+    R, t = random_rotation(rng), rng.normal(size=3)
+    moved = mesh.copy()
+    moved.vertices = mesh.vertices @ R.T + t
+    (a, sym_a), (b, sym_b) = of_object(mesh), of_object(moved)
+    # a sphere that touches more than two samples may stop at another of them
+    assert len(a) == pytest.approx(len(b), rel=0.003)
+    assert a.diagonal == pytest.approx(b.diagonal, rel=1e-9)
+    here = np.c_[a.centers, a.radii]
+    there = np.c_[(b.centers - t) @ R, b.radii]
+    for one, other in ((here, there), (there, here)):
+        assert cKDTree(one).query(other)[0].max() < 0.01 * a.diagonal
+        assert np.median(cKDTree(one).query(other)[0]) < 0.01 * a.spacing
+    share = [np.bincount(s.kind, minlength=5) / len(s) for s in (sym_a, sym_b)]
+    assert share[0] == pytest.approx(share[1], abs=0.01)
 
 
 def test_thresholds_decide_in_order():
