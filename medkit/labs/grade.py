@@ -8,16 +8,14 @@ the notebook.
 from __future__ import annotations
 
 import contextlib
-import json
 import os
+import select
 import signal
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from queue import Empty, Queue
 from typing import Any
 
 import numpy as np
@@ -25,12 +23,10 @@ import numpy as np
 from medkit.errors import InputError
 from medkit.labs.exercise import HIDDEN_CASES, Exercise, Verdict
 from medkit.labs.registry import LABS, exercises_of
-from medkit.labs.worker import decoded, definitions, encoded
+from medkit.labs.worker import decoded, definitions, encoded, receive, send
 
 TIME_LIMIT = 20.0  # [s] of computing an exercise may take
-START = 120.0  # [s] by the clock for a slow machine to start and to import
-#: How the system ends a process that has used up its processor time.
-SIGNALS_OF_TIME = (-getattr(signal, "SIGKILL", 9), -getattr(signal, "SIGXCPU", 24))
+PATIENCE = 120.0  # [s] by the clock on top, for a slow machine and for an answer that sleeps
 
 
 def submissions(folder: Path) -> list[Path]:
@@ -70,10 +66,9 @@ def grade(path: Path, *, seed: int, time_limit: float = TIME_LIMIT) -> list[Verd
         If the file is no notebook, or not one of a lab.
     """
     cells = code_cells(path)
-    return [
-        _graded(cells, exercise, seed, time_limit)
-        for exercise in exercises_of(_lab_of(cells, path))
-    ]
+    exercises = exercises_of(_lab_of(cells, path))
+    with _Worker(cells, time_limit) as worker:
+        return [_graded(worker, exercise, seed) for exercise in exercises]
 
 
 def verdict_of(path: Path, exercise: Exercise, seed: int) -> Verdict:
@@ -82,20 +77,22 @@ def verdict_of(path: Path, exercise: Exercise, seed: int) -> Verdict:
     return exercise.verdict(answer, np.random.default_rng(seed), HIDDEN_CASES)
 
 
-def _graded(cells: list[str], exercise: Exercise, seed: int, time_limit: float) -> Verdict:
+def _graded(worker: _Worker, exercise: Exercise, seed: int) -> Verdict:
     """Judge here, with the cases that the submission never sees; let it answer over there."""
-    with _Worker(cells, exercise.function, time_limit) as worker:
-        try:
-            answer = worker.call if worker.defined() else None
-            return exercise.verdict(answer, np.random.default_rng(seed), HIDDEN_CASES)
-        except _OutOfTime:
-            hint = f"stopped after the limit of {time_limit:g} s"
-        except _Gone:
-            hint = "the process of the answer ended without a result"
-        except _Failed as error:
-            # what its own cell raised while it was executed
-            hint = f"the cell of {exercise.function} stopped with {error}"
-    return Verdict(exercise.name, False, hint)
+    try:
+        answer = worker.call if worker.defines(exercise.function) else None
+        verdict = exercise.verdict(answer, np.random.default_rng(seed), HIDDEN_CASES)
+    except _OutOfTime:
+        hint = f"stopped after the limit of {worker.limit:g} s"
+        verdict = Verdict(exercise.name, False, hint)
+    except _Gone:
+        hint = "the process of the answer ended without a result"
+        verdict = Verdict(exercise.name, False, hint)
+    except _Failed as error:
+        hint = f"the cell of {exercise.function} stopped with {error}"
+        verdict = Verdict(exercise.name, False, hint)
+    worker.done()
+    return verdict
 
 
 class _OutOfTime(BaseException):
@@ -103,7 +100,7 @@ class _OutOfTime(BaseException):
 
 
 class _Gone(BaseException):
-    """The worker ended, by itself or by the system."""
+    """The answer's process ended, by itself or by the system."""
 
 
 class _Failed(BaseException):
@@ -111,76 +108,82 @@ class _Failed(BaseException):
 
 
 class _Worker:
-    """A process that holds one answer, and the pipes to it."""
+    """A process that holds one submission, and the pipes to it."""
 
-    def __init__(self, cells: list[str], function: str, time_limit: float) -> None:
-        self._cells, self._function, self._limit = cells, function, time_limit
+    def __init__(self, cells: list[str], limit: float) -> None:
+        self._cells, self.limit = cells, limit
+        self._process: subprocess.Popen[bytes] | None = None
+        self._serving = False
 
     def __enter__(self) -> _Worker:
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", "medkit.labs.worker", self._function, str(self._limit)],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-            env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
-            start_new_session=True,
-        )  # fmt: skip
-        self._replies: Queue[bytes] = Queue()
-        threading.Thread(target=self._listen, daemon=True).start()
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._process.kill()
+        self._stop()
+
+    def defines(self, function: str) -> bool:
+        """Turn to one function, and say whether the submission defines it."""
+        if self._process is None:
+            self._process = subprocess.Popen(
+                [sys.executable, "-m", "medkit.labs.worker"],
+                stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+                env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
+                start_new_session=True,
+            )  # fmt: skip
+        self._end = time.monotonic() + PATIENCE + 3.0 * self.limit
+        self._serving = True
+        ready = self._ask({"cells": self._cells, "function": function, "seconds": self.limit})
+        if "error" in ready:
+            raise _Failed(f"{ready['error']}: {ready['words']}")
+        return bool(ready.get("callable"))
+
+    def call(self, *arguments: Any) -> Any:
+        """Call the function over there; what it raises is raised here under the same name."""
+        reply = self._ask(encoded(arguments))
+        if "error" in reply:
+            raise type(str(reply["error"]), (Exception,), {})(reply["words"])
+        return decoded(reply["value"])
+
+    def done(self) -> None:
+        """Leave the function; its fork ends."""
+        if self._serving:
+            with contextlib.suppress(_OutOfTime, _Gone):
+                self._ask(None)
+
+    def _ask(self, request: Any) -> dict[str, Any]:
+        assert self._process is not None
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        replies = self._process.stdout.fileno()
+        reply = None
+        with contextlib.suppress(OSError, ValueError):
+            send(self._process.stdin.fileno(), request)
+            patience = max(self._end - time.monotonic(), 0.01)
+            if not select.select([replies], [], [], patience)[0]:
+                self._stop()
+                raise _OutOfTime
+            reply = receive(replies)
+        if not isinstance(reply, dict):
+            self._stop()
+            raise _Gone
+        if "ended" in reply:
+            self._serving = False
+            raise _OutOfTime if reply["ended"] == "time" else _Gone
+        return reply
+
+    def _stop(self) -> None:
+        """End the process and whatever it started; the next function gets a new one."""
+        self._serving = False
+        if self._process is None:
+            return
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self._process.pid, signal.SIGKILL)
         self._process.wait()
         for stream in (self._process.stdin, self._process.stdout):
             if stream is not None:
                 with contextlib.suppress(BrokenPipeError):
                     stream.close()
-
-    def defined(self) -> bool:
-        """Whether the submission defines the function."""
-        ready = self._ask(self._cells, START)
-        # by the clock from here on, for what waits without computing
-        self._end = time.monotonic() + 3.0 * self._limit + 5.0
-        if "error" in ready:
-            raise _Failed(f"{ready['error']}: {ready['words']}")
-        return bool(ready["callable"])
-
-    def call(self, *arguments: Any) -> Any:
-        """Call the function over there; what it raises is raised here under the same name."""
-        reply = self._ask(encoded(arguments), self._end - time.monotonic())
-        if "error" in reply:
-            raise type(str(reply["error"]), (Exception,), {})(reply["words"])
-        return decoded(reply["value"])
-
-    def _ask(self, request: Any, patience: float) -> dict[str, Any]:
-        assert self._process.stdin is not None
-        try:
-            self._process.stdin.write(json.dumps(request).encode() + b"\n")
-            self._process.stdin.flush()
-            line = self._replies.get(timeout=max(patience, 0.01))
-        except Empty:
-            raise _OutOfTime from None
-        except OSError:
-            line = b""
-        try:
-            reply = json.loads(line)
-        except ValueError:
-            raise (_OutOfTime if self._ran_out() else _Gone) from None
-        if not isinstance(reply, dict):
-            raise _Gone
-        return reply
-
-    def _ran_out(self) -> bool:
-        """Whether the system ended the process for its processor time."""
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            return self._process.wait(timeout=5.0) in SIGNALS_OF_TIME
-        return False
-
-    def _listen(self) -> None:
-        assert self._process.stdout is not None
-        with contextlib.suppress(ValueError, OSError):
-            for line in self._process.stdout:
-                self._replies.put(line)
-        self._replies.put(b"")
+        self._process = None
 
 
 def table(

@@ -12,8 +12,7 @@ from medkit.cli import main
 from medkit.errors import InputError
 from medkit.labs import check, exercises_of, lab_names
 from medkit.labs.copies import answers_in, filled, lab_notebooks, marked_exercise, write_copies
-from medkit.labs.grade import _graded as graded
-from medkit.labs.grade import code_cells, grade, verdict_of
+from medkit.labs.grade import grade, verdict_of
 from medkit.labs.worker import decoded, encoded
 
 ROOT = Path(__file__).parents[2]
@@ -183,11 +182,12 @@ def min_object_angle(friction):
         ("", "define it"),
     ],
 )  # fmt: skip
-def test_no_submission_passes_by_force_or_stops_the_grading(tmp_path, source, hint):
+def test_no_submission_passes_by_force_or_stops_the_grading(tmp_path, monkeypatch, source, hint):
     path = tmp_path / "lab.ipynb"
     nbformat.write(notebook("check('planar-1', None)", source), path)
-    cells = code_cells(path)
-    verdict = graded(cells, exercises_of("planar")[1], 20261122, 2.0)
+    monkeypatch.setattr("medkit.labs.grade.PATIENCE", 10.0)
+    verdict = grade(path, seed=20261122, time_limit=2.0)[1]
+    assert verdict.exercise == "planar-2"
     assert not verdict.passed
     assert verdict.hint
     assert hint in verdict.hint
@@ -210,6 +210,18 @@ def test_what_goes_to_a_worker_and_back_is_the_same():
         assert type(sent) is type(got)
     assert decoded(encoded(...)) is ...
     assert decoded(encoded(np.float64(0.5))) == 0.5
+
+
+def test_helpers_and_tables_outside_the_function_are_seen(tmp_path):
+    cells = [
+        "import math\nimport numpy as np\nWHOLE = math.pi\nHALVES: list = [1.0, 2.0]\nWHOLE += 0.0",
+        "half = lambda friction: np.arctan(friction)\nTABLE = np.array([0.0, 1.0]).sum()",
+        "# answer: planar-2\nmin_object_angle = lambda mu: WHOLE - HALVES[1] * half(mu)",
+        "check('planar-1', None)\nresult = open('made by a loose cell', 'w')",
+    ]
+    nbformat.write(notebook(*cells), tmp_path / "lab.ipynb")
+    assert grade(tmp_path / "lab.ipynb", seed=3)[1].passed
+    assert [path.name for path in Path.cwd().glob("made by*")] == []
 
 
 def test_students_get_no_outputs_and_no_solutions(tmp_path):
