@@ -143,6 +143,25 @@ def test_a_cone_has_three_edges_or_more(edges):
         cone_profile(3, "point", edges)
 
 
+def test_contacts_keep_their_own_numbers():
+    points, normals = np.array(GOOD[0]), np.array(GOOD[1])
+    contacts = Contacts(points, normals, 0.5)
+    points[:], normals[:] = 7.0, 0.0
+    np.testing.assert_array_equal(contacts.points, GOOD[0])
+    np.testing.assert_array_equal(contacts.normals, GOOD[1])
+    for rows in (points, np.asfortranarray(np.ones((3, 3)))):
+        rows.flags.writeable = False
+        side = np.eye(3)[: len(rows), : rows.shape[1]]
+        assert len(Contacts(rows, side, 0.1)) == len(rows)
+
+
+@pytest.mark.parametrize("friction", [np.nan, -0.1, [[0.5]]])
+def test_no_contacts_at_all_are_checked_like_any(friction):
+    with pytest.raises(InputError, match="friction"):
+        Contacts(np.zeros((0, 3)), np.zeros((0, 3)), friction)
+    assert len(Contacts(np.zeros((0, 3)), np.zeros((0, 3)), [])) == 0
+
+
 def test_contacts_cannot_be_changed_by_attribute():
     contacts = Contacts(*GOOD)
     assert (len(contacts), contacts.dimension) == (2, 2)

@@ -8,15 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import linprog
 
-from medkit.contacts import (
-    PATCH_RADIUS,
-    ContactModel,
-    Contacts,
-    cone_profile,
-    wrench_cones,
-)
+from medkit.contacts import PATCH_RADIUS, ContactModel, Contacts
 from medkit.geometry import Floats, positive
-from medkit.quality.expansion import LINEAR_GAP, expand
+from medkit.quality.expansion import expand
+from medkit.quality.space import LINEAR_GAP, SpaceOptions, wrench_space
 
 
 def is_force_closure(
@@ -76,12 +71,11 @@ def is_force_closure(
     """
     contacts = Contacts(points, normals, friction)
     origin, scale = torque_frame(contacts, torque_origin, torque_scale)
-    cones = wrench_cones(
-        contacts, torque_origin=origin, torque_scale=scale, contact=contact,
-        patch_radius=patch_radius,
-    )  # fmt: skip
-    profile = cone_profile(contacts.dimension, contact, edges)
-    return expand(cones, profile, total=False, gap=LINEAR_GAP, closure_only=True).lower > 0.0
+    options = SpaceOptions(
+        edges=edges, contact=contact, patch_radius=patch_radius, tolerance=LINEAR_GAP
+    )
+    space = wrench_space(contacts, origin, scale, options)
+    return expand(space, closure_only=True).lower > 0.0
 
 
 def is_form_closure(points: ArrayLike, normals: ArrayLike) -> bool:

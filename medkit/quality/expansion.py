@@ -8,14 +8,12 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from medkit.contacts import WrenchCones
 from medkit.geometry import Floats
 from medkit.quality import kernels
+from medkit.quality.space import WrenchSpace
 
 #: A ball smaller than this, in units of the longest wrench, counts as none.
 CLOSURE_TOLERANCE = 1e-10
-#: Bounds of linearised cones meet this closely, in units of the longest wrench.
-LINEAR_GAP = 1e-10
 #: Room for facets: first try, and the tries after it; the last one ends with open bounds.
 CAPACITIES = (2**13, 2**15, 2**18)
 #: How far a point must lie beyond a facet to see it, in longest wrenches. Symmetric grasps give
@@ -43,24 +41,16 @@ class Expansion(NamedTuple):
     converged: bool
 
 
-def expand(
-    cones: WrenchCones,
-    profile: Floats,
-    *,
-    total: bool,
-    gap: float,
-    closure_only: bool = False,
-    tolerance: float = CLOSURE_TOLERANCE,
-) -> Expansion:
-    """Expand the polytope of one grasp until its bounds meet."""
-    weakest = np.zeros(cones.centers.shape[1])
+def expand(space: WrenchSpace, *, closure_only: bool = False) -> Expansion:
+    """Expand the polytope of one grasp until its bounds meet, or until it holds the origin."""
+    weakest = np.zeros(space.centers.shape[1])
     lower, upper, added, converged = -np.inf, np.inf, 0, False
     for sight in SIGHTS:
-        meet = max(gap, sight)  # a point that its own facet does not see is no progress
+        meet = max(space.gap, sight)  # a point that its own facet does not see is no progress
         for capacity in CAPACITIES:
             status, low, high, added = kernels.expand(
-                cones.centers, cones.axes, profile, total, tolerance, meet, sight, closure_only,
-                _room(len(weakest), capacity), weakest,
+                space.centers, space.axes, space.profile, space.total, CLOSURE_TOLERANCE, meet,
+                sight, closure_only, _room(len(weakest), capacity), weakest,
             )  # fmt: skip
             if status != kernels.FULL:
                 break
@@ -77,20 +67,18 @@ def expand(
     return Expansion(max(lower, 0.0), max(upper, 0.0), weakest, added, converged)
 
 
-def expand_many(
-    cones: WrenchCones, starts: NDArray[np.int64], profile: Floats, *, total: bool, gap: float
-) -> Floats:
+def expand_many(space: WrenchSpace, starts: NDArray[np.int64]) -> Floats:
     """Bounds (g, 2) of each grasp, which owns contacts ``starts[g]`` to ``starts[g + 1]``."""
     bounds = np.empty((len(starts) - 1, 2))
-    meet, room = max(gap, SIGHTS[0]), _room(cones.centers.shape[1], CAPACITIES[0])
+    sight = SIGHTS[0]
     kernels.expand_many(
-        cones.centers, cones.axes, starts, profile, total, CLOSURE_TOLERANCE, meet, SIGHTS[0],
-        room, bounds,
+        space.centers, space.axes, starts, space.profile, space.total, CLOSURE_TOLERANCE,
+        max(space.gap, sight), sight, _room(space.centers.shape[1], CAPACITIES[0]), bounds,
     )  # fmt: skip
     for g in np.flatnonzero(np.isnan(bounds[:, 0])):
         mine = slice(starts[g], starts[g + 1])
-        own = WrenchCones(cones.centers[mine], cones.axes[mine])
-        bounds[g] = expand(own, profile, total=total, gap=gap)[:2]
+        own = space._replace(centers=space.centers[mine], axes=space.axes[mine])
+        bounds[g] = expand(own)[:2]
     return bounds
 
 

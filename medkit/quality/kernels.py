@@ -186,9 +186,12 @@ def _grow(  # type: ignore[no-untyped-def]
     while True:
         turn += 1
         row = nearest(work)
-        if row < 0 or planes[row, d] >= upper - gap:
-            return CONVERGED, upper if row < 0 else min(upper, planes[row, d]), upper, turn - 1
+        if row < 0:
+            return CONVERGED, upper, upper, turn - 1
         lower = planes[row, d]
+        meet = gap if lower > tolerance else sight  # whether there is a ball is settled strictly
+        if lower >= upper - meet:
+            return CONVERGED, min(upper, lower), upper, turn - 1
         if closure_only and lower > tolerance:
             return CLOSED, lower, upper, turn - 1
         vertex = d + turn
@@ -197,7 +200,7 @@ def _grow(  # type: ignore[no-untyped-def]
         for a in range(d):
             u[a] = planes[row, a]
         height = support(centers, axes, profile, total, u, shadow, points, vertex)
-        if height - lower <= gap and height > tolerance:
+        if height - lower <= meet and height > tolerance:
             lower = _measure(work, row, 1e-6, basis, edge, u)
             height = support(centers, axes, profile, total, u, shadow, points, vertex)
         if height < upper:
@@ -206,7 +209,7 @@ def _grow(  # type: ignore[no-untyped-def]
                 best[a] = u[a]
         if upper <= tolerance:
             return OPEN, 0.0, 0.0, turn
-        if height - lower <= gap:
+        if height - lower <= meet:
             return CONVERGED, min(lower, upper), upper, turn
         seen, horizon = find_visible(work, row, vertex, turn, sight)
         if (
@@ -219,15 +222,15 @@ def _grow(  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, error_model="numpy")
-def _longest(centers, axes):  # type: ignore[no-untyped-def]
-    """Length of the longest wrench, or a little more."""
+def _unit(centers, axes):  # type: ignore[no-untyped-def]
+    """Length of the longest wrench or a little less: the root mean square over an ellipse's rim."""
     longest = 0.0
     for i in range(centers.shape[0]):
         square = 0.0
         for a in range(centers.shape[1]):
             square += centers[i, a] ** 2
             for j in range(axes.shape[1]):
-                square += axes[i, j, a] ** 2
+                square += axes[i, j, a] ** 2 / axes.shape[1]
         longest = max(longest, square)
     return np.sqrt(longest)
 
@@ -243,9 +246,9 @@ def expand(centers, axes, profile, total, tolerance, gap, sight, closure_only, w
     if centers.shape[0] == 0:
         return FLAT, 0.0, 0.0, 0
     basis, edge, u, shadow = np.zeros((d, d)), np.empty(d), np.empty(d), np.empty(k)
-    longest = _longest(centers, axes)
+    unit = _unit(centers, axes)
     return _grow(
-        centers, axes, profile, total, tolerance * longest, gap * longest, sight * longest,
+        centers, axes, profile, total, tolerance * unit, gap * unit, sight * unit,
         closure_only, work, basis, edge, u, shadow, weakest,
     )  # fmt: skip
 

@@ -4,23 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from medkit.contacts import (
-    PATCH_RADIUS,
-    ContactModel,
-    Contacts,
-    cone_profile,
-    wrench_cones,
-)
+from medkit.contacts import PATCH_RADIUS, ContactModel, Contacts
 from medkit.errors import InputError
-from medkit.geometry import Floats, positive
-from medkit.quality.expansion import LINEAR_GAP, expand, expand_many
-
-Norm = Literal["l1", "linf"]
+from medkit.geometry import Floats
+from medkit.quality.expansion import expand, expand_many
+from medkit.quality.space import Norm, SpaceOptions, wrench_space
 
 
 @dataclass(frozen=True)
@@ -137,16 +130,9 @@ def epsilon(
     0.57735
     """
     contacts = Contacts(points, normals, friction)
-    cones = wrench_cones(
-        contacts,
-        torque_origin=torque_origin,
-        torque_scale=torque_scale,
-        contact=contact,
-        patch_radius=patch_radius,
-    )
-    profile = cone_profile(contacts.dimension, contact, edges)
-    gap = LINEAR_GAP if len(profile) else positive(tolerance, "tolerance")
-    return Epsilon(*expand(cones, profile, total=_is_total(norm), gap=gap))
+    options = SpaceOptions(edges, norm, contact, patch_radius, tolerance)
+    space = wrench_space(contacts, torque_origin, torque_scale, options)
+    return Epsilon(*expand(space))
 
 
 def _stacked(
@@ -172,12 +158,6 @@ def _stacked(
     return Contacts(flat, inward, friction), starts
 
 
-def _is_total(norm: str) -> bool:
-    if norm not in ("l1", "linf"):
-        raise InputError(f"Expected norm to be 'l1' or 'linf', but got {norm!r}; use one of both.")
-    return norm == "linf"
-
-
 def epsilon_many(
     points: Sequence[ArrayLike],
     normals: Sequence[ArrayLike],
@@ -185,11 +165,7 @@ def epsilon_many(
     friction: float,
     torque_origin: ArrayLike,
     torque_scale: float,
-    edges: int | None = 8,
-    norm: Norm = "l1",
-    contact: ContactModel = "point",
-    patch_radius: float = PATCH_RADIUS,
-    tolerance: float = 1e-4,
+    **options: Any,
 ) -> EpsilonBatch:
     """Epsilon of many grasps of one object.
 
@@ -199,22 +175,23 @@ def epsilon_many(
         Contacts of each grasp [m], [1].
     friction : float
         Coulomb coefficient of all contacts [1].
-    torque_origin, torque_scale, edges, norm, contact, patch_radius, tolerance
+    torque_origin, torque_scale
         As in `epsilon`, one for all grasps.
+    **options
+        `edges`, `norm`, `contact`, `patch_radius` and `tolerance` as in `epsilon`.
 
     Returns
     -------
     EpsilonBatch
         Bounds per grasp.
+
+    Examples
+    --------
+    >>> pinch = [[-1.0, 0.0], [1.0, 0.0]]
+    >>> epsilon_many([pinch], [[[1.0, 0.0], [-1.0, 0.0]]], friction=1.0,
+    ...              torque_origin=[0.0, 0.0], torque_scale=1.0).lower.round(6)
+    array([0.57735])
     """
     contacts, starts = _stacked(points, normals, friction)
-    cones = wrench_cones(
-        contacts,
-        torque_origin=torque_origin,
-        torque_scale=torque_scale,
-        contact=contact,
-        patch_radius=patch_radius,
-    )
-    profile = cone_profile(contacts.dimension, contact, edges)
-    gap = LINEAR_GAP if len(profile) else positive(tolerance, "tolerance")
-    return EpsilonBatch(*expand_many(cones, starts, profile, total=_is_total(norm), gap=gap).T)
+    space = wrench_space(contacts, torque_origin, torque_scale, SpaceOptions(**options))
+    return EpsilonBatch(*expand_many(space, starts).T)

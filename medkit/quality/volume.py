@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import ConvexHull
 
-from medkit.contacts import PATCH_RADIUS, ContactModel, Contacts
+from medkit.contacts import Contacts
 
 
 def volume(
@@ -16,9 +18,7 @@ def volume(
     friction: ArrayLike,
     torque_origin: ArrayLike,
     torque_scale: float,
-    edges: int = 8,
-    contact: ContactModel = "point",
-    patch_radius: float = PATCH_RADIUS,
+    **cones: Any,
 ) -> float:
     """Volume of the hull of the primitive wrenches (L1, linearised cones).
 
@@ -27,8 +27,10 @@ def volume(
 
     Parameters
     ----------
-    points, normals, friction, torque_origin, torque_scale, edges, contact, patch_radius
+    points, normals, friction, torque_origin, torque_scale
         As in `medkit.quality.epsilon`.
+    **cones
+        `edges`, `contact` and `patch_radius`, as there.
 
     Returns
     -------
@@ -43,11 +45,7 @@ def volume(
     2.666667
     """
     wrenches = Contacts(points, normals, friction).wrenches(
-        torque_origin=torque_origin,
-        torque_scale=torque_scale,
-        edges=edges,
-        contact=contact,
-        patch_radius=patch_radius,
+        torque_origin=torque_origin, torque_scale=torque_scale, **cones
     )
     rows = wrenches.reshape(-1, wrenches.shape[-1])
     dimension = rows.shape[1]

@@ -1,0 +1,60 @@
+"""The wrench space as the compiled code wants it: ellipses of wrenches, and how they are shared."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+from numpy.typing import ArrayLike
+
+from medkit.contacts import PATCH_RADIUS, ContactModel, Contacts, cone_profile, wrench_cones
+from medkit.errors import InputError
+from medkit.geometry import Floats, positive
+
+Norm = Literal["l1", "linf"]
+
+#: Bounds of linearised cones meet this closely, in units of the longest wrench.
+LINEAR_GAP = 1e-10
+
+
+@dataclass(frozen=True)
+class SpaceOptions:
+    """What a measure is told besides contacts and torque frame; see `medkit.quality.epsilon`."""
+
+    edges: int | None = 8
+    norm: Norm = "l1"
+    contact: ContactModel = "point"
+    patch_radius: float = PATCH_RADIUS
+    tolerance: float = 1e-4
+
+
+class WrenchSpace(NamedTuple):
+    """Ellipses of wrenches, one per contact, of one grasp or of many in a row.
+
+    `centers` (n, D) and `axes` (n, k, D) as in `medkit.contacts.WrenchCones`; `profile` (m, k)
+    the points that stand for an ellipse, none for exact cones; `total` whether the space is the
+    Minkowski sum of the contacts' shares; `gap` how closely bounds shall meet [longest wrenches].
+    """
+
+    centers: Floats
+    axes: Floats
+    profile: Floats
+    total: bool
+    gap: float
+
+
+def wrench_space(
+    contacts: Contacts, torque_origin: ArrayLike, torque_scale: float, options: SpaceOptions
+) -> WrenchSpace:
+    """Check what is left to check and lay the wrenches out."""
+    if options.norm not in ("l1", "linf"):
+        raise InputError(
+            f"Expected norm to be 'l1' or 'linf', but got {options.norm!r}; use one of both."
+        )
+    cones = wrench_cones(
+        contacts, torque_origin=torque_origin, torque_scale=torque_scale,
+        contact=options.contact, patch_radius=options.patch_radius,
+    )  # fmt: skip
+    profile = cone_profile(contacts.dimension, options.contact, options.edges)
+    gap = LINEAR_GAP if len(profile) else positive(options.tolerance, "tolerance")
+    return WrenchSpace(cones.centers, cones.axes, profile, options.norm == "linf", gap)
