@@ -14,8 +14,8 @@ from medkit.medial.axis import MedialAxis
 
 Indices = NDArray[np.int64]
 
-#: Mean number of spheres per cell; P13 does not state its own, chapter 23 measures this one.
-CELL_DENSITY = 4.0
+#: Mean number of spheres per cell; P13 does not state its own (decision 0016, chapter 23).
+CELL_DENSITY = 8.0
 
 
 @dataclass(frozen=True)
