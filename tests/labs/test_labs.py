@@ -55,7 +55,7 @@ def test_the_stub_fails_and_the_solution_passes_every_hidden_case(path, tmp_path
 def test_every_lab_has_a_notebook_and_answers():
     stems = {path.stem for path in lab_notebooks(LABS)}
     assert stems == {path.stem for path in ANSWERS.glob("*.py")}
-    assert len(stems) == len(lab_names()) == 4
+    assert len(stems) == len(lab_names()) >= 4
 
 
 @pytest.mark.parametrize(
