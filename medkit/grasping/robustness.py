@@ -1,4 +1,4 @@
-"""How a planner's yield bears errors in the hand's pose."""
+"""How a planner's yield bears errors in the hand's pose, and another friction."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ import pandas as pd
 from medkit.geometry import nonnegative, rotation_about, unit
 from medkit.grasping.candidates import CandidateGrasps
 from medkit.grasping.experiments import ObjectBench, Setting
-from medkit.grasping.grasp_set import FORCE_CLOSURE
-from medkit.grasping.planners import choose_candidates, run_candidates
+from medkit.grasping.grasp_set import FORCE_CLOSURE, Grasp
+from medkit.grasping.planners import MIN_CONTACTS, Quality, run_candidates
+from medkit.grasping.power import Contacts
 
 
 def displaced(
@@ -84,8 +85,8 @@ def yields_under_errors(
         ``shift`` [m], ``turn`` [rad], ``tested``, ``held`` (force-closure grasps), ``kept``: of
         the candidates that hold without an error, those that still hold, ``held_before``.
     """
-    chosen = choose_candidates(bench.candidates(setting), most, rng)
-    tester = bench.tester(setting.grasp)
+    chosen = bench.chosen(setting, most=most, rng=rng)
+    tester = bench.tester(setting.grasp, setting.planner)
 
     def holds(candidates: CandidateGrasps) -> np.ndarray:
         return np.array(
@@ -107,3 +108,41 @@ def yields_under_errors(
             }
         )  # fmt: skip
     return pd.DataFrame(rows)
+
+
+def yields_over_friction(
+    grasps: Sequence[Grasp], quality: Quality, frictions: Sequence[float]
+) -> pd.DataFrame:
+    """Judge the same contacts again with other friction coefficients.
+
+    The hand closes by geometry alone, so contacts do not depend on friction; only the verdict does.
+
+    Parameters
+    ----------
+    grasps : sequence of Grasp
+        Tested grasps, for example of `ObjectBench.grasps`.
+    quality : Quality
+        The object's centre of mass and torque scale; its own friction is not used.
+    frictions : sequence of float
+        Friction coefficients [1].
+
+    Returns
+    -------
+    pandas.DataFrame
+        ``friction`` [1], ``tested``, ``held`` and ``median_epsilon`` [N] of those that hold (0
+        where none does).
+    """
+    rows = []
+    for friction in frictions:
+        judged = replace(quality, friction=nonnegative(friction, "friction"))
+        values = np.array(
+            [
+                judged.epsilon(Contacts(g.points, g.normals, np.zeros(len(g.points), np.int64)))
+                for g in grasps
+                if len(g.points) >= MIN_CONTACTS
+            ]
+        )
+        held = values[values > 0.0]
+        median = float(np.median(held)) if len(held) else 0.0
+        rows.append([friction, len(grasps), len(held), median])
+    return pd.DataFrame(rows, columns=["friction", "tested", "held", "median_epsilon"])

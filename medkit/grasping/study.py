@@ -49,14 +49,14 @@ def load_study(experiment: int) -> pd.DataFrame:
 
     Notes
     -----
-    Simulated: the ARMAR-III hand, objects made by code, friction 0.5, 300 candidates drawn with
-    seed 0 (P13 5.1).
+    Simulated: the ARMAR-III hand, objects made by code, friction 0.5, candidates drawn with seed 0
+    (P13 5.1). ``tested`` says how many.
 
     Examples
     --------
     >>> table = load_study(1)
-    >>> len(table), int(table.tested.max())
-    (40, 300)
+    >>> len(table), sorted(set(table.planner))
+    (40, ['boxes', 'medial', 'medial-plus', 'normals'])
     """
     import pandas as pd
 

@@ -181,6 +181,40 @@ def plot_fates(
     return _frame(axes, drawn.min(axis=0), drawn.max(axis=0))
 
 
+def legend_of_fates(figure: Any, *, columns: int = 4) -> Any:
+    """Name once, below a row of pictures by `plot_fates`, every fate that occurs in one of them.
+
+    Parameters
+    ----------
+    figure : matplotlib Figure
+        Its axes were drawn with ``legend=False``.
+    columns : int
+        Entries side by side.
+
+    Returns
+    -------
+    matplotlib.legend.Legend
+        The legend.
+    """
+    from matplotlib.lines import Line2D
+
+    seen = {text for axes in figure.axes for text in axes.get_legend_handles_labels()[1]}
+    marks = [
+        Line2D(
+            [],
+            [],
+            ls="",
+            color=colour,
+            marker=marker,
+            ms=7.0 if marker != "." else 9.0,
+            label=words,
+        )
+        for colour, marker, words in FATES.values()
+        if words in seen
+    ]
+    return figure.legend(handles=marks, loc="outside lower center", ncols=columns, fontsize=8)
+
+
 def plot_candidates(
     candidates: CandidateGrasps,
     mesh: trimesh.Trimesh | None = None,
@@ -313,6 +347,8 @@ def _frame(axes: Any, low: Floats, high: Floats) -> Any:
         getattr(axes, f"set_{letter}lim")(m - half, m + half)
         getattr(axes, f"set_{letter}label")(f"{letter} [cm]", labelpad=-4, fontsize=8)
         getattr(axes, f"{letter}axis").set_major_locator(MaxNLocator(3))
-    axes.set_box_aspect((1, 1, 1))
+    # room for the labels, and no white ground that would cover a neighbour's
+    axes.set_box_aspect((1, 1, 1), zoom=0.9)
+    axes.patch.set_visible(False)
     axes.tick_params(labelsize=7, pad=-2)
     return axes

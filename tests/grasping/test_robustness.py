@@ -6,7 +6,7 @@ import trimesh
 
 from medkit.grasping.baselines import surface_normal_candidates
 from medkit.grasping.experiments import ObjectBench, Setting
-from medkit.grasping.robustness import displaced, yields_under_errors
+from medkit.grasping.robustness import displaced, yields_over_friction, yields_under_errors
 from medkit.robots import load_hand
 
 BAR = trimesh.creation.cylinder(0.015, 0.12, sections=32)
@@ -38,3 +38,23 @@ def test_what_is_kept_is_at_most_what_held_before():
     assert (table.kept <= table.held_before).all()
     assert (table.kept <= table.held).all()
     assert table.kept[0] == table.held[0] == table.held_before[0]
+
+
+def test_more_friction_never_loses_a_grasp_and_the_planner_s_own_gives_its_own_verdicts():
+    bench = ObjectBench(BAR, load_hand("wsg50"))
+    setting = Setting("medial", "power", 0.03, 0.5)
+    grasps, _ = bench.grasps(setting, most=8, rng=np.random.default_rng(1))
+    table = yields_over_friction(grasps, bench.quality, [0.0, 0.2, 0.5, 1.0])
+    assert (np.diff(table.held) >= 0).all()
+    assert table.held[2] == sum(grasp.outcome == "force_closure" for grasp in grasps) > 0
+    assert table.held[0] == 0
+    assert (table.tested == 8).all()
+
+
+def test_the_improved_planner_s_robustness_is_that_of_its_own_search():
+    bench = ObjectBench(BAR, load_hand("wsg50"))
+    setting = Setting("medial-plus", "power", 0.03, 0.5)
+    rng = np.random.default_rng
+    table = yields_under_errors(bench, setting, shifts=(0.0,), turns=(), most=6, rng=rng(1))
+    grasps, _ = bench.grasps(setting, most=6, rng=rng(1))
+    assert table.held[0] == sum(grasp.outcome == "force_closure" for grasp in grasps)
