@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import struct
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -119,13 +121,14 @@ def read_c3d(path: str | os.PathLike[str]) -> Recording:
     Returns
     -------
     Recording
-        All labelled points; NaN where one was not seen (negative residual).
+        All points; NaN where one was not seen (negative residual). A point without a label is
+        called by its number, ``unnamed 3``.
 
     Raises
     ------
     InputError
-        If the file is not there or not a C3D file, if its unit is unknown, or if ezc3d is not
-        installed.
+        If the file is not there, not a C3D file or cut off, if its unit is unknown, if it has
+        no points or no rate, or if ezc3d is not installed.
     """
     try:
         import ezc3d
@@ -134,8 +137,7 @@ def read_c3d(path: str | os.PathLike[str]) -> Recording:
             "Expected the package ezc3d for C3D files, but it is not installed;"
             ' install it with pip install "medkit[recordings]".'
         ) from error
-    if not Path(path).is_file():
-        raise InputError(f"Expected a C3D file, but {path} is not there; check the path.")
+    _check_c3d_length(Path(path))
     try:
         content = ezc3d.c3d(str(path))
     except Exception as error:  # ezc3d raises its C++ exceptions under several types
@@ -143,15 +145,56 @@ def read_c3d(path: str | os.PathLike[str]) -> Recording:
             f"Expected a C3D file, but {path} could not be read ({' '.join(str(error).split())});"
             " export it again."
         ) from error
+    return _recording_from_c3d(content, Path(path))
+
+
+def _check_c3d_length(path: Path) -> None:
+    """Refuse other files and cut ones before ezc3d sees them: on those it may end the process."""
+    if not path.is_file():
+        raise InputError(f"Expected a C3D file, but {path} is not there; check the path.")
+    with open(path, "rb") as file:
+        head = file.read(512)
+        first = head[0] if head else 0
+        file.seek(512 * max(first - 1, 0))
+        parameters = file.read(4)
+    if len(head) < 512 or head[1] != 0x50 or not first or len(parameters) < 4:
+        raise InputError(
+            f"Expected a C3D file, but {path} does not begin like one; export it anew."
+        )
+    needed = 512 * (first - 1 + parameters[2])
+    if parameters[3] == 84:  # numbers as on this machine; other kinds are left to ezc3d
+        points, analog, begin, end = struct.unpack_from("<HHHH", head, 2)
+        scale, start = struct.unpack_from("<fH", head, 12)
+        row = (4 * points + analog) * (2 if scale > 0.0 else 4)
+        needed = max(needed, 512 * (start - 1) + max(end - begin + 1, 0) * row)
+    if path.stat().st_size < needed:
+        raise InputError(
+            f"Expected a C3D file of at least {needed} bytes by its own header, but {path} has"
+            f" {path.stat().st_size}; it was cut off, copy or export it again."
+        )
+
+
+def _recording_from_c3d(content: Any, path: Path) -> Recording:
     point = content["parameters"]["POINT"]
-    unit_name = str(point["UNITS"]["value"][0]).strip() if point["UNITS"]["value"] else "none"
-    scale = _factor(unit_name, LENGTHS)
     data = np.asarray(content["data"]["points"], dtype=float)[:3].transpose(2, 1, 0)
+    if 0 in data.shape:
+        raise InputError(f"Expected 3-D points, but {path} holds no points; export them too.")
+    unit_name = str(point["UNITS"]["value"][0]).strip() if point["UNITS"]["value"] else "none"
+    scale, rate = _factor(unit_name, LENGTHS), float(point["RATE"]["value"][0])
+    if not rate > 0.0:
+        raise InputError(f"Expected a frame rate in {path}, but it says {rate:g}; export it anew.")
     residuals = np.asarray(content["data"]["meta_points"]["residuals"])[0].T
     places = np.where((residuals < 0.0)[..., None], np.nan, data) * scale
-    rate = float(point["RATE"]["value"][0])
-    labels = tuple(str(label) for label in point["LABELS"]["value"])
-    return Recording(labels, np.arange(len(places)) / rate, places, Path(path).name)
+    labels = _c3d_labels(point, data.shape[1])
+    return Recording(labels, np.arange(len(places)) / rate, places, path.name)
+
+
+def _c3d_labels(point: Any, count: int) -> tuple[str, ...]:
+    """Names of the points: a file may hold more labels than points, or leave points unnamed."""
+    keys = sorted((key for key in point if key.startswith("LABELS")), key=lambda key: key[6:])
+    names = [str(name).strip() for key in keys for name in point[key]["value"]][:count]
+    names += [""] * (count - len(names))
+    return tuple(name or f"unnamed {row + 1}" for row, name in enumerate(names))
 
 
 def _tsv_header(path: str | os.PathLike[str]) -> tuple[dict[str, str], int]:
