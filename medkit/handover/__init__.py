@@ -10,7 +10,8 @@ from medkit.handover.checks import (
     sensitivity,
 )
 from medkit.handover.claims import claims, subject_estimates
-from medkit.handover.mixed import fit_population, recovery_study
+from medkit.handover.links import link_comparison
+from medkit.handover.mixed import fit_population
 from medkit.handover.ordinal import expected_score, fit_cumulative_logit, rating_probabilities
 from medkit.handover.power import (
     claim_power,
@@ -20,7 +21,9 @@ from medkit.handover.power import (
     slope_power,
     subjects_needed,
 )
-from medkit.handover.release import iso_score, iso_slope, link_comparison, recommend_force
+from medkit.handover.recommendation import recommend_force
+from medkit.handover.recovery import recovery_study
+from medkit.handover.release import iso_score, iso_slope
 from medkit.handover.trials import (
     describe_trials,
     load_trials,

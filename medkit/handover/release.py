@@ -1,4 +1,4 @@
-"""From ratings to a release force: iso-score curves, their slope, a recommendation.
+"""From ratings to a release force: iso-score curves and their slope.
 
 In one pose and mode a subject's log-odds of a better rating are modelled as
 ``a * sqrt(force) + c * weight``. Among force, its root, its cube root and its logarithm the root
@@ -8,7 +8,7 @@ to a level, the root of the force is a straight line over weight.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -22,7 +22,6 @@ from medkit.handover.ordinal import eta_at_score, fit_cumulative_logit
 from medkit.handover.resampling import bootstrap_weights, subject_interval
 
 Array = np.ndarray
-GRAVITY = 9.81  # [m/s^2]
 Scope = Literal["people", "these"]
 
 
@@ -191,98 +190,6 @@ def iso_slope(
             }
         )  # fmt: skip
     return pd.DataFrame(rows)
-
-
-def recommend_force(
-    trials: pd.DataFrame, *, level: float = 0.75, weight_error_kg: float = 0.1,
-    bump_N: float = 0.5, weights: Sequence[float] | None = None,
-) -> pd.DataFrame:  # fmt: skip
-    """Return the release force between what noise forbids below and naturalness above.
-
-    Parameters
-    ----------
-    trials : pandas.DataFrame
-        From :func:`medkit.handover.load_trials`.
-    level : float
-        Expected score that must be kept.
-    weight_error_kg : float
-        By how much the weight may be underestimated (L14 4.1: about 0.1 kg within 2 s). The
-        missing load already pulls at the gripper.
-    bump_N : float
-        Noise and light bumps on top. 0.5 N is what released nothing early in L14's trials, while
-        0.1 N often did (section 4.2); a harder bump is the user's to state.
-    weights : sequence of float, optional
-        Masses [kg]; those met in the pose when left out.
-
-    Returns
-    -------
-    pandas.DataFrame
-        pose, mode, weight [kg]; ``lower`` [N] (safety), ``upper`` [N] (the cautious end of the
-        iso-score interval), ``upper_estimate`` [N], ``force`` [N] (the recommendation: the cautious
-        upper end, since a firmer hold is the safer one, but never below the safety limit),
-        ``window``: "open" (lower < upper), "narrow" (lower < upper_estimate only) or "closed".
-
-    Raises
-    ------
-    InputError
-        If an allowance is negative.
-
-    Examples
-    --------
-    >>> from medkit.handover import load_trials
-    >>> row = recommend_force(load_trials(), weights=[0.6]).iloc[1]
-    >>> row["mode"], round(float(row["lower"]), 2), row["window"]
-    ('position', 1.48, 'open')
-    """
-    if weight_error_kg < 0 or bump_N < 0:
-        raise InputError(
-            f"Expected allowances of 0 or more, came weight_error_kg={weight_error_kg:g} and"
-            f" bump_N={bump_N:g}; pass how much may go wrong, without a sign."
-        )
-    curve = iso_score(trials, level, weights=weights)
-    lower = GRAVITY * weight_error_kg + bump_N
-    window = np.select([lower < curve["low"], lower < curve["force"]], ["open", "narrow"], "closed")
-    return pd.DataFrame(
-        {
-            "pose": curve["pose"], "mode": curve["mode"], "weight": curve["weight"],
-            "lower": lower, "upper": curve["low"], "upper_estimate": curve["force"],
-            "force": np.maximum(lower, curve["low"]), "window": window,
-        }
-    )  # fmt: skip
-
-
-#: Candidate scales of the force in the linear predictor.
-FORCE_SCALES: dict[str, Callable[[Array], Array]] = {
-    "force": lambda force: force,
-    "root of force": np.sqrt,
-    "cube root of force": np.cbrt,
-    "logarithm of force": np.log,
-}
-
-
-def link_comparison(trials: pd.DataFrame) -> pd.DataFrame:
-    """Compare scales of the force by Akaike's criterion, subject effects included.
-
-    Returns
-    -------
-    pandas.DataFrame
-        Per scale ``aic`` and its difference from the best; smaller is better. As ratings of a cell
-        are not independent, read differences of a few units as ties.
-
-    Examples
-    --------
-    >>> from medkit.handover import load_trials
-    >>> link_comparison(load_trials())["aic"].idxmin()
-    'root of force'
-    """
-    cells = rating_cells(trials)
-    rest = design_columns(cells, ["weight", "pose", "mode", "subject"])
-    aic = {}
-    for name, scale in FORCE_SCALES.items():
-        fit = fit_cumulative_logit(np.column_stack([scale(cells.force), rest]), cells.counts)
-        aic[name] = 2 * (3 + rest.shape[1]) - 2 * float(fit.log_likelihood[0])
-    table = pd.DataFrame({"aic": aic})
-    return table.assign(difference=table["aic"] - table["aic"].min())
 
 
 def _lines(part: RatingCells, multiplicity: Array, level: float) -> RootForceLines:

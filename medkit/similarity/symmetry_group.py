@@ -20,11 +20,14 @@ from medkit.geometry import Floats, perpendicular, positive, rotation_about, uni
 from medkit.similarity.symmetry import (
     SymmetryGroup,
     ball_group,
-    cyclic_group,
-    dihedral_group,
-    generated,
     revolution_group,
     trivial_group,
+)
+from medkit.similarity.symmetry_candidates import (
+    candidate_groups,
+    distinct_lines,
+    hemisphere,
+    upwards,
 )
 
 #: Misfit that still counts as symmetric, as a share of the shape's radius.
@@ -157,14 +160,14 @@ def _revolution(surface: _Surface, limit: float) -> SymmetryGroup | None:
     flip = surface.misfit(rotation_about(perpendicular(axis), np.pi))
     flips = flip < limit
     return replace(
-        revolution_group(_upwards(axis), flips=flips),
+        revolution_group(upwards(axis), flips=flips),
         residual=max(residual, flip) if flips else residual,
     )
 
 
 def _finite_group(surface: _Surface, limit: float) -> SymmetryGroup:
     axes = _axes_of_rotation(surface, limit)
-    for candidate in _candidate_groups(axes):
+    for candidate in candidate_groups(axes):
         residual = max(surface.misfit(part) for part in candidate.rotations)
         if residual < limit:
             return replace(candidate, residual=residual)
@@ -182,7 +185,7 @@ def _axes_of_rotation(surface: _Surface, limit: float) -> dict[int, list[Floats]
         refined = [_refined_axis(surface, start, (turn,)) for start in starts]
         scored = [(surface.misfit(rotation_about(axis, turn)), axis) for axis in refined]
         passing = sorted((pair for pair in scored if pair[0] < limit), key=lambda pair: pair[0])
-        found[fold] = _distinct([axis for _, axis in passing])
+        found[fold] = distinct_lines([axis for _, axis in passing])
     return found
 
 
@@ -195,7 +198,7 @@ def _directions(surface: _Surface, limit: float) -> Floats:
     low, middle, high = surface.moments
     slack = 8.0 * limit
     if high - low < slack:
-        return np.vstack([surface.principal, _hemisphere(_DIRECTIONS)])
+        return np.vstack([surface.principal, hemisphere(_DIRECTIONS)])
     planes = []
     for close, pair in ((middle - low, (0, 1)), (high - middle, (1, 2))):
         if close < slack:
@@ -249,64 +252,6 @@ def _refined(start: Floats, offsets: Callable[[Floats], Floats], *, steps: int =
     return line
 
 
-def _hemisphere(count: int) -> Floats:
-    """Directions spread evenly over half a sphere, a spiral of golden turns."""
-    z = (np.arange(count) + 0.5) / count
-    around = np.arange(count) * np.pi * (3.0 - np.sqrt(5.0))
-    ring = np.sqrt(1.0 - z**2)
-    return np.stack([ring * np.cos(around), ring * np.sin(around), z], axis=1)
-
-
-def _distinct(axes: list[Floats]) -> list[Floats]:
-    kept: list[Floats] = []
-    for axis in axes:
-        if all(abs(float(axis @ other)) < np.cos(np.deg2rad(8.0)) for other in kept):
-            kept.append(_upwards(axis))
-    return kept
-
-
-def _upwards(axis: Floats) -> Floats:
-    """The one of the two directions of a line whose largest component is positive."""
-    return np.asarray(axis * np.sign(axis[np.argmax(np.abs(axis))]))
-
-
-def _candidate_groups(axes: dict[int, list[Floats]]) -> list[SymmetryGroup]:
-    """Groups that the axes suggest, largest first; the caller tests every element."""
-    candidates = _polyhedral_groups(axes)
-    for fold in sorted(axes, reverse=True):
-        for main in axes[fold]:
-            across = [axis for axis in axes[2] if abs(float(axis @ main)) < 0.1]
-            candidates += [dihedral_group(main, fold, second) for second in across]
-            candidates.append(cyclic_group(main, fold))
-    return sorted(candidates, key=lambda group: -group.order)
-
-
-def _polyhedral_groups(axes: dict[int, list[Floats]]) -> list[SymmetryGroup]:
-    """Tetrahedral, octahedral and icosahedral groups from two of their axes, made exact."""
-    groups = []
-    kinds = (("I", 5, np.sqrt(0.2), 6), ("O", 4, 0.0, 3), ("T", 3, 1.0 / 3.0, 4))
-    for name, fold, cosine, count in kinds:
-        lines = axes[fold]
-        if len(lines) < 2 or len(lines) > count + 1:
-            continue
-        first, second = _at_angle(lines[0], lines[1], cosine)
-        turn = 2.0 * np.pi / fold
-        parts = [rotation_about(first, turn), rotation_about(second, turn)]
-        try:
-            elements = generated(parts)
-        except InputError:  # the two lines were no neighbours of such a solid
-            continue
-        groups.append(SymmetryGroup(name, np.zeros(3), elements, first))
-    return groups
-
-
-def _at_angle(first: Floats, second: Floats, cosine: float) -> tuple[Floats, Floats]:
-    """Turn the second line in the plane of both so that the cosine of their angle is exact."""
-    aligned = second * (1.0 if float(first @ second) >= 0.0 else -1.0)
-    across = unit(aligned - float(aligned @ first) * first)
-    return first, cosine * first + np.sqrt(1.0 - cosine**2) * across
-
-
 def _mirrors(surface: _Surface, group: SymmetryGroup, limit: float) -> Floats:
     """Normals (m, 3) of the mirror planes; one of each kind for a body of revolution."""
     if group.continuous == "all":
@@ -321,7 +266,7 @@ def _mirrors(surface: _Surface, group: SymmetryGroup, limit: float) -> Floats:
         if misfit < limit:
             passing.append((misfit, normal))
     passing.sort(key=lambda pair: pair[0])
-    planes = _distinct([normal for _, normal in passing])
+    planes = distinct_lines([normal for _, normal in passing])
     return np.asarray(planes).reshape(-1, 3)
 
 

@@ -7,14 +7,9 @@ from scipy.optimize import approx_fprime
 from scipy.stats import norm
 
 from medkit.errors import InputError
-from medkit.handover.mixed import (
-    _Problem,
-    fit_mixed_logit,
-    fit_population,
-    recovery_study,
-    simulate_counts,
-)
+from medkit.handover.mixed import _Problem, fit_mixed_logit, fit_population
 from medkit.handover.ordinal import fit_cumulative_logit, rating_probabilities
+from medkit.handover.recovery import recovery_study, simulate_counts
 from medkit.handover.trials import load_trials
 
 
