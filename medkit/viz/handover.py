@@ -227,9 +227,19 @@ def _contour(ax: Any, grid: pd.DataFrame) -> None:
     ax.contourf(weight, force, grid.to_numpy(), levels=levels, cmap=SEQUENTIAL)
     lines = ax.contour(weight, force, grid.to_numpy(), levels=[0.25, 0.5, 0.75], colors="white",
                        linestyles=[":", "--", "-"])  # fmt: skip
-    ax.clabel(lines, fmt="%.2f", fontsize=8)
+    ax.clabel(lines, fmt="%.2f", fontsize=8, manual=_label_places(grid, lines.levels))
     ax.plot(weight.ravel(), force.ravel(), linestyle="", marker=".", color="white", markersize=2)
     ax.grid(False)
+
+
+def _label_places(grid: pd.DataFrame, levels: Any) -> list[tuple[float, float]]:
+    """Where contour labels stand clear of the data: halfway between two middle columns."""
+    column = max(1, grid.shape[1] // 2)
+    place = float(np.mean(grid.columns[column - 1 : column + 1])) / 1000
+    score = grid.iloc[:, column - 1 : column + 1].mean(axis=1).to_numpy()[::-1]
+    return [
+        (place, float(np.interp(level, score, grid.index.to_numpy()[::-1]))) for level in levels
+    ]
 
 
 def _surface(ax: Any, grid: pd.DataFrame) -> None:

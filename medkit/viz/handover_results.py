@@ -8,6 +8,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 
+from medkit.handover.ordinal import rating_probabilities
 from medkit.viz.handover import FORCE_LABEL, SCORE_LABEL, WEIGHT_LABEL
 from medkit.viz.style import BLACK, BLUE, CYCLE, MARKERS, ORANGE, VERMILION, axes_or_new
 
@@ -229,21 +230,34 @@ def add_load_line(ax: Any, weights: Any) -> Any:
     return ax
 
 
-def plot_link(ax: Any = None) -> Any:
-    """Draw how one straight line becomes three probabilities: the cumulative logit explained."""
-    from medkit.handover import rating_probabilities
+def plot_link(*, thresholds: tuple[float, float] = (-1.5, 1.5), ax: Any = None) -> Any:
+    """Draw how one straight line becomes three probabilities: the cumulative logit explained.
 
+    Parameters
+    ----------
+    thresholds : (float, float)
+        Borders between bad and acceptable, and between acceptable and good [log-odds].
+    ax : matplotlib.axes.Axes, optional
+        Where to draw.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        Probabilities and expected score over the linear predictor; borders as thin lines.
+    """
     ax = axes_or_new(ax)
     eta = np.linspace(-6, 6, 200)
-    chances = rating_probabilities(eta, np.array([-1.5, 1.5]))
+    chances = rating_probabilities(eta, np.array(thresholds))
     names = ("bad", "acceptable", "good")
     for name, color, line, values in zip(
         names, (VERMILION, ORANGE, BLUE), _LINES, chances.T, strict=False
     ):
         ax.plot(eta, values, color=color, linestyle=line, marker="", label=name)
     ax.plot(eta, chances @ [0, 0.5, 1], color=BLACK, linewidth=1, marker="", label="expected score")
+    for border in thresholds:
+        ax.axvline(border, color="#888888", linewidth=0.8, linestyle=":")
     ax.set(xlabel="linear predictor [log-odds]", ylabel=f"probability, {SCORE_LABEL}")
-    ax.legend()
+    ax.legend(loc="center right")
     return ax
 
 
@@ -256,3 +270,62 @@ def _wrapped(text: str, width: int = 34) -> str:
         else:
             line = f"{line} {word}" if line else word
     return "\n".join([*lines, line])
+
+
+def plot_people(estimates: pd.Series, chosen: Any, interval: Any, *, ax: Any = None) -> Any:
+    """Draw the numbers of several people, those that came filled, and the interval they give.
+
+    Parameters
+    ----------
+    estimates : pandas.Series
+        One number per person or block.
+    chosen : sequence of str
+        Who came; a name may come twice.
+    interval : (float, float, float)
+        Mean, lower and upper end.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The bar is the interval, orange when it covers zero.
+    """
+    if ax is None:
+        _, ax = plt.subplots(figsize=(6.4, 2.8))
+    middle, low, high = (float(value) for value in interval)
+    names = list(chosen)
+    for row, (name, value) in enumerate(estimates.items()):
+        count = names.count(name)
+        ax.plot(value, row, "o", color=BLUE, markersize=7,
+                fillstyle="full" if count else "none")  # fmt: skip
+        ax.annotate(f"{name} x {count}", (value, row), xytext=(7, -3),
+                    textcoords="offset points", fontsize=8)  # fmt: skip
+    covers = low <= 0.0 <= high
+    color, row = (ORANGE if covers else BLUE), len(estimates)
+    ax.plot([low, high], [row, row], color=color, marker="|", markersize=9, linewidth=2.4)
+    ax.plot(middle, row, "D", color=BLACK)
+    ax.axvline(0, color="#666666", linewidth=1)
+    ax.set_yticks([row], ["interval"])
+    ax.set(ylim=(row + 0.6, -0.6), title="covers zero" if covers else "clear of zero")
+    return ax
+
+
+def plot_experiments(intervals: Any, *, truth: float, ax: Any = None) -> Any:
+    """Draw simulated experiments as bars (n, 3) of mean, low and high slope [N/kg].
+
+    Bars that cover zero are orange and dashed; `truth` is the mean of the simulated people.
+    """
+    ax = axes_or_new(ax)
+    table = np.asarray(intervals, dtype=float)
+    for row, (middle, low, high) in enumerate(table):
+        covers = low <= 0.0 <= high
+        color = ORANGE if covers else BLUE
+        ax.plot([low, high], [row, row], color=color, linestyle="--" if covers else "-", marker="")
+        ax.plot(middle, row, "o", color=color)
+    ax.axvline(0, color="#666666", linewidth=1)
+    ax.axvline(truth, color=BLACK, linestyle=":", linewidth=1.2)
+    ax.set(
+        xlabel="slope of the release force [N/kg]", ylabel="experiment", yticks=[], xlim=(-4, 12)
+    )
+    return ax

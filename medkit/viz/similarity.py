@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 
@@ -11,7 +12,7 @@ from medkit.datasets.human_grasps import FINGERS
 from medkit.geometry import Floats
 from medkit.similarity.movements import THRESHOLD, Movement
 from medkit.similarity.recordings import Recording, speeds
-from medkit.similarity.synergies import Synergies
+from medkit.similarity.synergies import JOINTS, Synergies
 from medkit.viz.style import (
     BLACK,
     BLUE,
@@ -124,6 +125,38 @@ def plot_rank_matrix(table: pd.DataFrame, measures: tuple[str, ...], *, ax: Any 
     ax.set(xticks=range(len(measures)), ylabel="rank (1: most human-like)", xlabel="measure")
     ax.set_xticklabels(measures)
     ax.invert_yaxis()
+    return ax
+
+
+def plot_rank_agreement(agreement: dict[str, pd.DataFrame], *, ax: Any = None) -> Any:
+    """Rank correlations between measures with intervals, a colour and marker per object.
+
+    `agreement` maps names of objects to tables of `medkit.similarity.ranking.rank_agreement`.
+    """
+    ax = axes_or_new(ax)
+    shifts = np.linspace(-0.12, 0.12, len(agreement)) if len(agreement) > 1 else np.zeros(1)
+    for shift, (name, rows) in zip(shifts, agreement.items(), strict=True):
+        reach = [rows["tau"] - rows["low"], rows["high"] - rows["tau"]]
+        ax.errorbar(np.arange(len(rows)) + shift, rows["tau"], yerr=reach, linestyle="none",
+                    capsize=3, label=name)  # fmt: skip
+    rows = next(iter(agreement.values()))
+    ax.axhline(0.0, color=BLACK, linewidth=0.8)
+    ax.set_xticks(range(len(rows)), rows["first"] + "\n" + rows["second"], fontsize=8)
+    ax.set(ylabel="rank correlation [1]", xlabel="pair of measures")
+    ax.legend()
+    return ax
+
+
+def plot_joint_angles(postures: dict[str, Floats], *, ax: Any = None) -> Any:
+    """Angles of the fifteen joints of named postures (15,) [rad], one line each [deg]."""
+    if ax is None:
+        _, ax = plt.subplots(figsize=(6.8, 3.8))
+    for name, angles in postures.items():
+        ax.plot(range(len(JOINTS)), np.rad2deg(angles), label=name)
+    names = [joint.replace("_", " ") for joint in JOINTS]
+    ax.set_xticks(range(len(JOINTS)), names, rotation=60, ha="right", fontsize=8)
+    ax.set(ylabel="joint angle [deg]", xlabel="joint")
+    ax.legend(loc="upper right")
     return ax
 
 

@@ -19,9 +19,11 @@ from medkit.viz.handover_results import (
     figure_recommendation,
     plot_calibration,
     plot_claims,
+    plot_experiments,
     plot_human_release,
     plot_interval_width,
     plot_link,
+    plot_people,
     plot_power,
 )
 
@@ -92,10 +94,30 @@ def test_checks_and_plans_draw_a_line_per_group():
     assert len(plot_power(power).get_legend().get_texts()) == 2
     width = pd.DataFrame({"spread": ["x", "x"], "subjects": [4, 8], "half_width": [2.0, 1.0]})
     assert plot_interval_width(width).get_ylim()[1] > 2.0
-    assert len(plot_link().lines) == 4
+    ax = plot_link(thresholds=(-1.0, 2.0))
+    assert len(ax.get_legend().get_texts()) == 4
+    assert [line.get_xdata()[0] for line in ax.lines[-2:]] == [-1.0, 2.0]  # the two borders
     ax = plot_human_release(human_references())
     assert len(ax.patches) == 5  # the sixth has no upper bound: an arrow
     assert len(add_load_line(ax, np.array([0.1, 1.0])).lines) == 2
+
+
+def test_intervals_that_cover_zero_look_different():
+    people = pd.Series({"a": -1.0, "b": 2.0, "c": 3.0})
+    ax = plot_people(people, ["b", "b", "c"], (2.3, 0.9, 3.8))
+    assert ax.get_title() == "clear of zero"
+    assert [text.get_text() for text in ax.texts] == ["a x 0", "b x 2", "c x 1"]
+    assert plot_people(people, ["a", "b"], (0.5, -9.0, 10.0)).get_title() == "covers zero"
+    ax = plot_experiments([[1.0, 0.5, 1.5], [1.0, -0.5, 2.5]], truth=1.2)
+    styles = [line.get_linestyle() for line in ax.lines if len(line.get_xdata()) == 2]
+    assert styles[:2] == ["-", "--"]
+
+
+def test_contour_labels_stand_between_the_columns_of_data(trials):
+    part = trials[(trials["pose"] == "P1") & (trials["mode"] == "position")]
+    texts = plot_score_map(part, kind="contour").texts
+    assert [text.get_text() for text in texts] == ["0.25", "0.50", "0.75"]
+    assert all(abs(text.get_position()[0] - 0.35) < 0.04 for text in texts)
 
 
 def test_unknown_names_are_refused(trials):

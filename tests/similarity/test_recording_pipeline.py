@@ -171,7 +171,7 @@ def test_trials_without_a_grasp_are_named_with_the_reason():
     assert failed["why"].tolist()[0].startswith("the wrist never moved")
     assert "ends before" in failed["why"].tolist()[1]
     with pytest.raises(InputError, match="none of"):
-        grasps_from_recordings(table[still])
+        grasps_from_recordings(table[still.reindex(table.index)])
 
 
 CSV = "when;ax;ay;az;run\n0;1;2;3;7\n10;2;2;3;7\n20;;;;7\n0;5;5;5;8\n10;5;5;6;8\n"
