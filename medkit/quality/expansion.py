@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -70,14 +71,8 @@ def expand(space: WrenchSpace, *, closure_only: bool = False) -> Expansion:
 def expand_many(space: WrenchSpace, starts: NDArray[np.int64]) -> Floats:
     """Bounds (g, 2) of each grasp, which owns contacts ``starts[g]`` to ``starts[g + 1]``."""
     bounds = np.empty((len(starts) - 1, 2))
-    sight = SIGHTS[0]
-    kernels.expand_many(
-        space.centers, space.axes, starts, space.profile, space.total, CLOSURE_TOLERANCE,
-        max(space.gap, sight), sight, _room(space.centers.shape[1], CAPACITIES[0]), bounds,
-    )  # fmt: skip
-    for g in np.flatnonzero(np.isnan(bounds[:, 0])):
-        mine = slice(starts[g], starts[g + 1])
-        own = space._replace(centers=space.centers[mine], axes=space.axes[mine])
+    for g, (first, last) in enumerate(pairwise(starts.tolist())):
+        own = space._replace(centers=space.centers[first:last], axes=space.axes[first:last])
         bounds[g] = expand(own)[:2]
     return bounds
 

@@ -17,7 +17,7 @@ from numba import njit
 from medkit.quality.facets import Workspace, attach, find_visible, nearest, push, workspace
 from medkit.quality.reach import support
 
-__all__ = ["Workspace", "expand", "expand_many", "workspace"]
+__all__ = ["Workspace", "expand", "workspace"]
 
 CONVERGED, OPEN, FLAT, BUDGET, FAILED, CLOSED, FULL = 0, 1, 2, 3, 4, 5, 6
 
@@ -251,20 +251,3 @@ def expand(centers, axes, profile, total, tolerance, gap, sight, closure_only, w
         centers, axes, profile, total, tolerance * unit, gap * unit, sight * unit,
         closure_only, work, basis, edge, u, shadow, weakest,
     )  # fmt: skip
-
-
-@njit(cache=True, error_model="numpy")
-def expand_many(centers, axes, starts, profile, total, tolerance, gap, sight, work, bounds):  # type: ignore[no-untyped-def]
-    """Expand the polytopes of many grasps; those to be tried again get NaN as their bounds.
-
-    Grasp g owns the contacts ``starts[g]`` to ``starts[g + 1]``; `bounds` is (g, 2).
-    """
-    weakest = np.empty(centers.shape[1])
-    for g in range(bounds.shape[0]):
-        first, last = starts[g], starts[g + 1]
-        status, bounds[g, 0], bounds[g, 1], _ = expand(
-            centers[first:last], axes[first:last], profile, total, tolerance, gap, sight, False,
-            work, weakest,
-        )  # fmt: skip
-        if status in (FULL, FAILED):
-            bounds[g, 0] = np.nan

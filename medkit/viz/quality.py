@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import ConvexHull
 
+from medkit import quality
 from medkit.contacts import Contacts
 from medkit.errors import InputError
 from medkit.geometry import Floats, nonnegative
@@ -143,6 +145,51 @@ def plot_wrench_projection(
     axes.plot(epsilon * np.cos(turn), epsilon * np.sin(turn), color=VERMILION, marker="")
     axes.plot(0.0, 0.0, "+", color=BLACK)
     axes.set(xlabel=SPATIAL_LABELS[first], ylabel=SPATIAL_LABELS[second], aspect="equal")
+    return axes
+
+
+def plot_epsilon_over_friction(
+    points: ArrayLike,
+    normals: ArrayLike,
+    *,
+    values: ArrayLike,
+    torque_origin: ArrayLike,
+    torque_scale: float,
+    edges: Sequence[int | None] = (8, None),
+    ax: Any = None,
+) -> Any:
+    """Draw epsilon of one grasp over the friction, a curve for each number of cone edges.
+
+    Parameters
+    ----------
+    points, normals : array-like, shape (n, 3) or (n, 2)
+        Contacts [m] and inward unit normals [1].
+    values : array-like, shape (k,)
+        Friction coefficients [1].
+    torque_origin, torque_scale
+        As in `medkit.quality.epsilon` [m].
+    edges : sequence of int or None
+        Numbers of edges; None, the round cone, is drawn dashed.
+    ax : matplotlib axes, optional
+        Where to draw.
+
+    Returns
+    -------
+    matplotlib axes
+    """
+    axes, frictions = axes_or_new(ax), np.asarray(values, dtype=float)
+    for count in edges:
+        radii = [
+            quality.epsilon(
+                points, normals, friction=friction, torque_origin=torque_origin,
+                torque_scale=torque_scale, edges=count,
+            ).lower
+            for friction in frictions
+        ]  # fmt: skip
+        style = ("--", "round cones") if count is None else ("-", f"{count} edges")
+        axes.plot(frictions, radii, style[0], marker="", label=style[1])
+    axes.set(xlabel="friction coefficient", ylabel="epsilon [N]", ylim=(0.0, None))
+    axes.legend(loc="upper left")
     return axes
 
 

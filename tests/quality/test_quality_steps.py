@@ -15,6 +15,7 @@ from medkit.errors import InputError
 from medkit.quality import epsilon, expansion_steps
 from medkit.quality.reach import support
 from medkit.viz.quality import (
+    plot_epsilon_over_friction,
     plot_expansion_step,
     plot_friction_cones_2d,
     plot_wrench_polytope,
@@ -91,3 +92,19 @@ def test_the_pictures_carry_labels_and_the_ball():
         plot_friction_cones_2d(tilted(np.random.default_rng(0), 3, 3))
     with pytest.raises(InputError, match="6 columns"):
         plot_wrench_projection(wrenches, 0, 1)
+
+
+def test_the_curve_over_friction_is_epsilon_and_the_pyramid_lies_below():
+    contacts, here = tilted(np.random.default_rng(2), 5, 3), {"torque_origin": np.zeros(3)}
+    grasp, values = (contacts.points, contacts.normals), [0.2, 0.6, 1.0]
+    ax = plot_epsilon_over_friction(
+        *grasp, values=values, **here, torque_scale=1.0, edges=(4, None)
+    )
+    rough, smooth = (line.get_ydata() for line in ax.get_lines())
+    assert np.all(rough <= smooth + 1e-3)
+    expected = [epsilon(*grasp, friction=mu, **here, torque_scale=1.0, edges=4).lower
+                for mu in values]  # fmt: skip
+    np.testing.assert_array_equal(rough, expected)
+    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["4 edges", "round cones"]
+    assert "[N]" in ax.get_ylabel()
+    plt.close("all")
