@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 
 from medkit.errors import InputError
 from medkit.geometry import Floats, nonnegative
-from medkit.medial import axis_kernels as kernels
+from medkit.medial import axis_kernels, tree_kernels
 from medkit.medial.surface import SurfaceSample, sample_surface
 from medkit.medial.touch_kernels import widest_touch
+from medkit.medial.tree_kernels import Tree
 from medkit.meshes import repair_mesh
 
 #: How deep a sample may lie inside a medial sphere, over the spacing: facets and noise.
@@ -24,6 +25,8 @@ TOUCH = 0.5
 REACH = 1.5
 #: Pairs of touch points wider than this are not searched for wider ones [rad].
 ENOUGH = np.pi - 0.09
+#: Where no touch is wider from the first than this, no pair can reach P13's 120 deg [rad].
+MODEST = np.pi / 3.0
 
 Side = Literal["interior", "exterior"]
 
@@ -125,36 +128,35 @@ def medial_axis_from_surface(
     """
     if side not in ("interior", "exterior"):
         raise InputError(f"Expected side 'interior' or 'exterior', but got {side!r}; use one.")
-    tree = sample_tree(sample, 1.0 if side == "interior" else -1.0)
-    points, normals = tree[1], tree[2]
+    tree = sample_tree(sample, 1.0 if side == "interior" else -1.0)[1]
     slack = max(SLACK * sample.spacing, sample.facet_depth)
-    shrink: Any = kernels.shrink_balls
-    radii, stop = shrink(*tree[1:], 0.5 * sample.diagonal, slack, slack)
-    radii = kernels.refine_balls(points, normals, radii, stop, REACH * sample.spacing)
+    shrink: Any = axis_kernels.shrink_balls
+    radii, stop = shrink(tree, 0.5 * sample.diagonal, slack, slack)
+    radii = axis_kernels.refine_balls(tree, radii, stop, REACH * sample.spacing)
     own = np.flatnonzero((stop >= 0) & (radii > 0.0))
-    centers = points[own] - radii[own, None] * normals[own]
+    centers = tree.points[own] - radii[own, None] * tree.normals[own]
     return with_object_angles(
         sample, tree, centers, radii[own], own, stop[own], touch_tolerance=touch_tolerance
     )
 
 
-def sample_tree(sample: SurfaceSample, sign: float = 1.0) -> tuple[Any, ...]:
-    """Order (n,) and then, in that order, points, normals and the tree for the kernels.
+def sample_tree(sample: SurfaceSample, sign: float = 1.0) -> tuple[NDArray[np.int64], Tree]:
+    """Order (n,) of the samples in the tree for the kernels, and that tree.
 
     With a `sign` of -1 the normals are turned, so that the balls grow outside.
     """
     leaves = 1
-    while leaves * kernels.LEAF_SIZE < len(sample):
+    while leaves * tree_kernels.LEAF_SIZE < len(sample):
         leaves *= 2
-    order, points, first, last, boxes = kernels.build_tree(sample.points, leaves)
-    normals = sample.normals[order] * sign
-    slabs = kernels.bound_slabs(points, normals, first, last, boxes)
-    return order, points, normals, first, last, boxes, slabs
+    order, first, last = tree_kernels.sort_samples(sample.points, leaves)
+    points, normals = sample.points[order], sample.normals[order] * sign
+    nodes = tree_kernels.bound_nodes(points, normals, first, last)
+    return order, Tree(points, normals, first, last, nodes)
 
 
 def with_object_angles(
     sample: SurfaceSample,
-    tree: tuple[Any, ...],
+    tree: Tree,
     centers: Floats,
     radii: Floats,
     own: NDArray[np.int64],
@@ -171,6 +173,6 @@ def with_object_angles(
     tolerances = np.array([tolerance, max(SLACK * sample.spacing, sample.facet_depth)])
     widest: Any = widest_touch
     angles, touch_points = widest(
-        centers, radii, own, stop, *tree[1:], tolerances, REACH * sample.spacing, ENOUGH
+        centers, radii, own, stop, tree, tolerances, REACH * sample.spacing, ENOUGH, MODEST
     )
     return MedialAxis(centers, radii, angles, touch_points, sample.spacing, sample.diagonal)

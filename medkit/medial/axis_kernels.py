@@ -1,7 +1,7 @@
-"""Compiled loops of the medial axis: a balanced tree, shrinking balls.
+"""Compiled loops of the medial axis: shrinking balls on a tree of samples.
 
-Every loop has a plain numpy twin in the tests. Arrays of points are in tree order unless said
-otherwise, so that neighbours in memory are neighbours in space.
+Every loop has a plain numpy twin in the tests. Arrays of points are in tree order, so that
+neighbours in memory are neighbours in space.
 """
 
 # mypy: disable-error-code="no-untyped-def"
@@ -11,84 +11,10 @@ import numpy as np
 from numba import njit
 
 from medkit.medial.surface_kernels import bucket
+from medkit.medial.tree_kernels import SIZE, SPREAD, STACK, ball_misses, box_distance2
 
-#: Samples per leaf of the tree: small leaves prune well, large ones cost fewer box tests.
-LEAF_SIZE = 8
-#: Room for the nodes that wait during a walk down the tree.
-STACK = 128
-
-
-@njit(cache=True)
-def build_tree(points, leaves):
-    """Order points into a balanced binary tree with `leaves` (a power of two) leaves.
-
-    Node ``i`` has the children ``2 i`` and ``2 i + 1``, the root is 1, the leaves come last.
-    Returns the order, the first and last index of each node, and the boxes.
-    """
-    n = len(points)
-    sorted_points = points.copy()
-    order = np.arange(n)
-    first = np.zeros(2 * leaves, np.int64)
-    last = np.zeros(2 * leaves, np.int64)
-    boxes = np.zeros((2 * leaves, 6))
-    last[1] = n
-    for node in range(1, 2 * leaves):
-        _bound(sorted_points, first[node], last[node], boxes, node)
-        if node >= leaves:
-            continue
-        extent = boxes[node, 3:] - boxes[node, :3]
-        middle = (first[node] + last[node]) // 2
-        _select(sorted_points, order, first[node], last[node], middle, np.argmax(extent))
-        first[2 * node], last[2 * node] = first[node], middle
-        first[2 * node + 1], last[2 * node + 1] = middle, last[node]
-    return order, sorted_points, first, last, boxes
-
-
-@njit(cache=True)
-def _bound(points, first, last, boxes, node):
-    for k in range(3):
-        low = np.inf
-        high = -np.inf
-        for i in range(first, last):
-            low = min(low, points[i, k])
-            high = max(high, points[i, k])
-        boxes[node, k] = low
-        boxes[node, 3 + k] = high
-
-
-@njit(cache=True)
-def _select(points, order, first, last, middle, axis):
-    """Quickselect: put the element of rank `middle` along `axis` at its place."""
-    low, high = first, last - 1
-    while low < high:
-        pivot = points[(low + high) // 2, axis]
-        i, j = low, high
-        while i <= j:
-            while points[i, axis] < pivot:
-                i += 1
-            while points[j, axis] > pivot:
-                j -= 1
-            if i <= j:
-                for k in range(3):
-                    points[i, k], points[j, k] = points[j, k], points[i, k]
-                order[i], order[j] = order[j], order[i]
-                i += 1
-                j -= 1
-        if middle <= j:
-            high = j
-        elif middle >= i:
-            low = i
-        else:
-            return
-
-
-@njit(cache=True)
-def box_distance2(boxes, node, x, y, z):
-    """Squared distance of (x, y, z) from a node's box."""
-    dx = max(boxes[node, 0] - x, 0.0, x - boxes[node, 3])
-    dy = max(boxes[node, 1] - y, 0.0, y - boxes[node, 4])
-    dz = max(boxes[node, 2] - z, 0.0, z - boxes[node, 5])
-    return dx * dx + dy * dy + dz * dz
+#: An opposite wall may reach into a ball by this share of its depth below the tangent plane.
+THIN = 0.1
 
 
 @njit(cache=True)
@@ -103,64 +29,33 @@ def _largest_radius(points, normals, i, j, slack):
         h += d * normals[i, k]
         dot += normals[i, k] * normals[j, k]
     # opposite walls are never noise: they bound the ball however thin the wall is
-    allowed = slack if dot > 0.0 else 0.0
+    allowed = slack if dot > 0.0 else min(slack, THIN * h)
     if h <= allowed or d2 == 0.0:
         return np.inf
     return (d2 - allowed * allowed) / (2.0 * (h - allowed))
 
 
 @njit(cache=True)
-def bound_slabs(points, normals, first, last, boxes):
-    """Slab of every node along its mean normal: direction (3), range (2), spread of normals, size.
-
-    The slab of a curved patch hugs it more closely than its box, which decides how many nodes a
-    ball has to look into that touches the surface all around.
-    """
-    slabs = np.zeros((len(first), 7))
-    for node in range(1, len(first)):
-        for i in range(first[node], last[node]):
-            for k in range(3):
-                slabs[node, k] += normals[i, k]
-        length = np.sqrt(slabs[node, 0] ** 2 + slabs[node, 1] ** 2 + slabs[node, 2] ** 2)
-        for k in range(3):
-            slabs[node, k] /= max(length, 1e-300)
-        low, high = np.inf, -np.inf
-        for i in range(first[node], last[node]):
-            along = 0.0
-            apart2 = 0.0
-            for k in range(3):
-                along += slabs[node, k] * points[i, k]
-                apart2 += (slabs[node, k] - normals[i, k]) ** 2
-            low, high = min(low, along), max(high, along)
-            slabs[node, 5] = max(slabs[node, 5], apart2)
-        slabs[node, 3], slabs[node, 4] = low, high
-        slabs[node, 5] = np.sqrt(slabs[node, 5])
-        for k in range(3):
-            slabs[node, 6] += (0.5 * (boxes[node, 3 + k] - boxes[node, k])) ** 2
-        slabs[node, 6] = np.sqrt(slabs[node, 6])
-    return slabs
-
-
-@njit(cache=True)
-def shrink_balls(points, normals, first, last, boxes, slabs, largest, slack, trust):
+def shrink_balls(tree, largest, slack, trust):
     """Largest tangent ball of every sample that no other sample enters deeper than `slack`.
 
     A ball that sticks out of one already found empty by less than `trust` is taken as empty too:
     it saves the search where many samples share a centre. Returns the radii and the index of the
     sample that stops each ball (-1: none within `largest`).
     """
+    points, normals = tree.points, tree.normals
     n = len(points)
-    leaves = len(first) // 2
+    leaves = len(tree.first) // 2
     radii = np.empty(n)
     stop = np.full(n, -1, np.int64)
     stack = np.empty(STACK, np.int64)
     known = np.full(4 * leaves, -1, np.int64)
     width = max(2.0 * trust, 1e-300)
     for leaf in range(leaves, 2 * leaves):
-        for i in range(first[leaf], last[leaf]):
+        for i in range(tree.first[leaf], tree.last[leaf]):
             r = largest
             best = -1
-            for j in range(first[leaf], last[leaf]):
+            for j in range(tree.first[leaf], tree.last[leaf]):
                 value = _largest_radius(points, normals, i, j, slack)
                 if value < r:
                     r, best = value, j
@@ -172,9 +67,7 @@ def shrink_balls(points, normals, first, last, boxes, slabs, largest, slack, tru
                         r, best = value, stop[back]
             seen = _bucket_of(points, normals, i, r, width, len(known))
             if best < 0 or not _covered(points, normals, i, r, radii, known[seen], trust):
-                r, best = _shrink_one(
-                    points, normals, first, last, boxes, slabs, leaves, i, r, best, slack, stack
-                )
+                r, best = _shrink_one(tree, i, r, best, slack, stack)
                 known[_bucket_of(points, normals, i, r, width, len(known))] = i
             radii[i] = r
             stop[i] = best
@@ -205,7 +98,10 @@ def _covered(points, normals, i, r, radii, k, trust):
 
 
 @njit(cache=True)
-def _shrink_one(points, normals, first, last, boxes, slabs, leaves, i, r, best, slack, stack):
+def _shrink_one(tree, i, r, best, slack, stack):
+    """Shrink the ball of sample i over all samples, beginning with what is known of it."""
+    points, normals, nodes = tree.points, tree.normals, tree.nodes
+    leaves = len(tree.first) // 2
     x, y, z = points[i, 0], points[i, 1], points[i, 2]
     u, v, w = normals[i, 0], normals[i, 1], normals[i, 2]
     stack[0] = 1
@@ -213,30 +109,41 @@ def _shrink_one(points, normals, first, last, boxes, slabs, leaves, i, r, best, 
     while top > 0:
         top -= 1
         node = stack[top]
-        reach = max(r - slack, 0.0)
         a, b, c = x - r * u, y - r * v, z - r * w
-        if box_distance2(boxes, node, a, b, c) >= reach * reach:
-            continue
-        along = slabs[node, 0] * a + slabs[node, 1] * b + slabs[node, 2] * c
-        if max(slabs[node, 3] - along, along - slabs[node, 4]) >= reach:
+        faced = u * nodes[node, 6] + v * nodes[node, 7] + w * nodes[node, 8]
+        reach = r - slack
+        # less slack where an opposite wall may be
+        if faced <= nodes[node, SPREAD]:
+            deep = (
+                u * (x - 0.5 * (nodes[node, 0] + nodes[node, 3]))
+                + v * (y - 0.5 * (nodes[node, 1] + nodes[node, 4]))
+                + w * (z - 0.5 * (nodes[node, 2] + nodes[node, 5]))
+                - nodes[node, SIZE]
+            )
+            reach = r - min(slack, THIN * max(0.0, deep))
+        if ball_misses(nodes, node, a, b, c, reach):
             continue
         if node >= leaves:
-            for j in range(first[node], last[node]):
+            for j in range(tree.first[node], tree.last[node]):
                 value = _largest_radius(points, normals, i, j, slack)
                 if value < r:
                     r, best = value, j
             continue
         near, far = 2 * node, 2 * node + 1
-        if box_distance2(boxes, near, a, b, c) > box_distance2(boxes, far, a, b, c):
-            near, far = far, near
-        stack[top] = far
-        stack[top + 1] = near
-        top += 2
+        near2, far2 = box_distance2(nodes, near, a, b, c), box_distance2(nodes, far, a, b, c)
+        if near2 > far2:
+            near, far, near2, far2 = far, near, far2, near2
+        if far2 < r * r:
+            stack[top] = far
+            top += 1
+        if near2 < r * r:
+            stack[top] = near
+            top += 1
     return r, best
 
 
 @njit(cache=True)
-def refine_balls(points, normals, radii, stop, reach):
+def refine_balls(tree, radii, stop, reach):
     """Radius of the ball tangent at sample i and to the surface near the sample that stops it.
 
     The two-point formula is off by the square of the distance between that sample and the true
@@ -244,6 +151,7 @@ def refine_balls(points, normals, radii, stop, reach):
     and only when the foot on the plane is within `reach` of the sample. Samples exactly on a sharp
     edge get radius zero.
     """
+    points, normals = tree.points, tree.normals
     refined = np.full(len(points), np.inf)
     for i in range(len(points)):
         j = stop[i]

@@ -72,9 +72,9 @@ def poles_from_surface(sample: SurfaceSample) -> MedialAxis:
     # of the four samples on the sphere, the one farthest from its own spans the first angle
     apart = np.linalg.norm(cells.points[corner] - cells.points[owner[order][last], None], axis=2)
     stop = corner[np.arange(len(corner)), np.argmax(apart, axis=1)]
-    tree = sample_tree(sample)
+    tree_order, tree = sample_tree(sample)
     place = np.empty(len(sample), np.int64)
-    place[tree[0]] = np.arange(len(sample))
+    place[tree_order] = np.arange(len(sample))
     own = place[owner[order][last]]
     return with_object_angles(sample, tree, corners[pole], radii, own, place[stop])
 

@@ -6,183 +6,179 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from medkit.medial.axis_kernels import STACK, box_distance2
+from medkit.medial.tree_kernels import SPREAD, STACK, ball_misses, box_distance2
 
-_TOUCHES = 48  # most directions kept per sphere
+#: A sample this much aside of the foot on its own tangent plane is a touch of its own (cosine).
+SLANTED = 0.95
 
 
 @njit(cache=True)
-def widest_touch(
-    centers, radii, own, stop, points, normals, first, last, boxes, slabs, tolerances, reach, enough
-):
-    """Object angle of every sphere over all samples it touches, and the two touch points.
+def widest_touch(centers, radii, own, stop, tree, tolerances, reach, enough, modest):
+    """Object angle of every sphere over the samples it touches, and the two touch points.
 
     A sample touches when its tangent plane has its foot within `reach` of the sample and moving
     the centre by ``tolerances[0]`` could close the gap; or, at a reentrant edge, when the sample
-    itself is no farther than radius plus ``tolerances[1]``. Touches that are wider from one of
-    the first two than these are apart are collected, and the widest pair of all is taken. The
-    search ends early once an angle is wider than `enough` [rad].
+    itself is no farther than radius plus ``tolerances[1]``. The touch that is widest from the
+    sphere's own sample is taken, and then the one that is widest from that. Angles wider than
+    `enough` are not widened further. Where no touch is wider than `modest` from the own sample,
+    the two first touches are kept: no pair at all is wider than twice that [rad].
     """
     n = len(centers)
     angles = np.empty(n)
     pairs = np.empty((n, 2, 3))
     stack = np.empty(STACK, np.int64)
-    goal = np.cos(enough)
-    touches = np.empty((_TOUCHES, 3))
+    goal, narrow = np.cos(enough), np.cos(modest)
+    # rows: the two directions that every sphere has, the one to search from, its widest partner
+    rows = np.empty((4, 3))
+    hints = np.full(2, -1, np.int64)
     for i in range(n):
         # where the sample that stopped the ball stands a little aside, its normal still counts
         wide = max(reach, 0.3 * radii[i])
-        _, u, v, w = _foot(centers, i, points, normals, stop[i], wide)
-        touches[1, 0], touches[1, 1], touches[1, 2] = u, v, w
+        u, v, w = _direction(centers, i, tree.points, tree.normals, stop[i], wide)
+        rows[1, 0], rows[1, 1], rows[1, 2] = u, v, w
+        rows[3, 0], rows[3, 1], rows[3, 2] = u, v, w
         for k in range(3):
-            touches[0, k] = normals[own[i], k]
-        count = _collect_touches(
-            centers, i, radii[i], touches, points, normals, first, last, boxes, slabs,
-            tolerances, reach, goal, stack,
-        )  # fmt: skip
-        a, b, cosine = _widest_pair(touches, count)
-        angles[i] = np.arccos(min(1.0, max(-1.0, cosine)))
+            rows[0, k] = rows[2, k] = tree.normals[own[i], k]
+        best = _cosine(rows, u, v, w, 0)
+        for step in range(2):
+            if best <= goal or (step == 1 and best > narrow):
+                break
+            bound = min(best, narrow)
+            least, u, v, w, found = _farthest(
+                centers, i, radii[i], tree, tolerances, reach, rows, bound, goal, stack, hints[step]
+            )
+            if found >= 0:
+                hints[step] = found
+                best = least
+                rows[3, 0], rows[3, 1], rows[3, 2] = u, v, w
+            if step == 0:
+                # the second search starts from the partner; the first two directions compete
+                for k in range(3):
+                    rows[2, k], rows[3, k] = rows[3, k], rows[2, k]
+                other = _cosine(rows, rows[1, 0], rows[1, 1], rows[1, 2], 2)
+                if other < best:
+                    best = other
+                    for k in range(3):
+                        rows[3, k] = rows[1, k]
+        angles[i] = np.arccos(min(1.0, max(-1.0, best)))
         for k in range(3):
-            pairs[i, 0, k] = centers[i, k] + radii[i] * touches[a, k]
-            pairs[i, 1, k] = centers[i, k] + radii[i] * touches[b, k]
+            pairs[i, 0, k] = centers[i, k] + radii[i] * rows[2, k]
+            pairs[i, 1, k] = centers[i, k] + radii[i] * rows[3, k]
     return angles, pairs
 
 
 @njit(cache=True)
-def _widest_pair(touches, count):
-    """Rows of the two directions with the least cosine, and that cosine."""
-    best = 2.0
-    first, second = 0, 1
-    for a in range(count):
-        for b in range(a + 1, count):
-            dot = 0.0
-            for k in range(3):
-                dot += touches[a, k] * touches[b, k]
-            if dot < best:
-                best, first, second = dot, a, b
-    return first, second, best
-
-
-@njit(cache=True)
-def _foot(centers, i, points, normals, j, reach):
-    """Distance and direction from centre i to the surface near sample j, and its kind.
-
-    The distance is positive for a foot on the tangent plane within `reach` of the sample, and
-    negative for the sample itself.
-    """
+def _direction(centers, i, points, normals, j, reach):
+    """Direction from centre i to the foot on the plane of sample j, or to the sample itself."""
     x = points[j, 0] - centers[i, 0]
     y = points[j, 1] - centers[i, 1]
     z = points[j, 2] - centers[i, 2]
     d2 = x * x + y * y + z * z
     h = x * normals[j, 0] + y * normals[j, 1] + z * normals[j, 2]
     if h > 0.0 and d2 - h * h <= reach * reach:
-        return h, normals[j, 0], normals[j, 1], normals[j, 2]
+        return normals[j, 0], normals[j, 1], normals[j, 2]
     d = max(np.sqrt(d2), 1e-300)
-    return -d, x / d, y / d, z / d
+    return x / d, y / d, z / d
 
 
-@njit(cache=True)
-def _touches(distance, u, v, w, normals, j, radius, touches, tolerances):
-    if distance > 0.0:
-        first = u * touches[0, 0] + v * touches[0, 1] + w * touches[0, 2]
-        second = u * touches[1, 0] + v * touches[1, 1] + w * touches[1, 2]
-        # a centre moved by e along its sheet changes a gap by at most e times this chord
-        chord = np.sqrt(max(0.0, 2.0 - 2.0 * max(first, second)))
-        return distance <= radius + tolerances[0] * chord
-    # a sample beside the foot on a smooth surface looks along its normal: not a touch of its own
-    slanted = u * normals[j, 0] + v * normals[j, 1] + w * normals[j, 2] < 0.95
-    return slanted and -distance <= radius + tolerances[1]
+@njit(cache=True, inline="always")
+def _cosine(rows, u, v, w, k):
+    """Cosine of the angle between a direction and that of row `k`."""
+    return rows[k, 0] * u + rows[k, 1] * v + rows[k, 2] * w
 
 
-@njit(cache=True)
-def _no_touch(boxes, slabs, node, x, y, z, limit, touching, reach):
-    """Whether no sample of a node can be a touch of the sphere about (x, y, z)."""
-    distance2 = box_distance2(boxes, node, x, y, z)
-    if distance2 > limit * limit:
-        return True
-    m, n, o = slabs[node, 0], slabs[node, 1], slabs[node, 2]
-    along = m * x + n * y + o * z
-    height = max(slabs[node, 3] - along, along - slabs[node, 4])
-    if height > limit:
-        return True
-    if distance2 <= touching * touching and height <= touching:
+@njit(cache=True, inline="always")
+def _may_touch(nodes, node, x, y, z, radius, along, wide, reach, rows, best):
+    """Whether a node may hold a touch with a cosine below `best` to row 2."""
+    e = 0.5 * (nodes[node, 3] - nodes[node, 0])
+    f = 0.5 * (nodes[node, 4] - nodes[node, 1])
+    g = 0.5 * (nodes[node, 5] - nodes[node, 2])
+    a, b, c = nodes[node, 0] + e - x, nodes[node, 1] + f - y, nodes[node, 2] + g - z
+    # the way to a touch is at least the radius less what samples may be inside, at most the limit
+    way = radius + 2.0 * along if best > 0.0 else radius - 2.0 * wide
+    u, v, w = rows[2, 0], rows[2, 1], rows[2, 2]
+    ahead = a * u + b * v + c * w - (e * abs(u) + f * abs(v) + g * abs(w))
+    if ahead - reach >= best * way:
         return False
-    # only feet of tangent planes are left: none if every normal points past the centre
-    a = 0.5 * (boxes[node, 0] + boxes[node, 3]) - x
-    b = 0.5 * (boxes[node, 1] + boxes[node, 4]) - y
-    c = 0.5 * (boxes[node, 2] + boxes[node, 5]) - z
-    h = a * m + b * n + c * o
-    most = reach + slabs[node, 6] + limit * slabs[node, 5]
-    return a * a + b * b + c * c - h * h > most * most
+    m, n, o = nodes[node, 6], nodes[node, 7], nodes[node, 8]
+    near = max(_cosine(rows, m, n, o, 0), _cosine(rows, m, n, o, 1)) - nodes[node, SPREAD]
+    chord = np.sqrt(min(4.0, max(0.0, 2.0 - 2.0 * near)))
+    limit = max(radius + along * chord + 0.5 * reach * reach / radius, radius + wide)
+    return not ball_misses(nodes, node, x, y, z, limit)
 
 
 @njit(cache=True)
-def _collect_touches(
-    centers, i, radius, touches, points, normals, first, last, boxes, slabs, tolerances, reach,
-    goal, stack,
-):  # fmt: skip
-    """Add to the two directions in `touches` those that are wider from one of them.
-
-    Returns the number of directions. When the table is full only the widest so far is replaced.
-    """
-    count = 2
-    apart = 0.0
-    for k in range(3):
-        apart += touches[0, k] * touches[1, k]
-    best = apart
-    leaves = len(first) // 2
-    limit = np.sqrt((radius + max(2.0 * tolerances[0], tolerances[1])) ** 2 + reach * reach)
-    touching = radius + tolerances[1]
+def _farthest(centers, i, radius, tree, tolerances, reach, rows, best, goal, stack, hint):
+    """Least cosine below `best` of a touch to row 2, and its direction."""
+    nodes, points, normals = tree.nodes, tree.points, tree.normals
+    first, last = tree.first, tree.last
     x, y, z = centers[i, 0], centers[i, 1], centers[i, 2]
-    p, q, r = x - radius * touches[0, 0], y - radius * touches[0, 1], z - radius * touches[0, 2]
+    along, wide = tolerances[0], tolerances[1]
+    leaves = len(first) // 2
+    limit = radius + max(2.0 * along, wide)
+    limit2 = limit * limit + reach * reach
+    p, q, r = 0.0, 0.0, 0.0
+    found = -1
+    if hint >= 0:
+        dot, u, v, w = _touch(
+            points, normals, hint, x, y, z, radius, along, wide, reach, rows, best
+        )
+        if dot < best:
+            best, p, q, r, found = dot, u, v, w, hint
     stack[0] = 1
     top = 1
     while top > 0 and best > goal:
         top -= 1
         node = stack[top]
-        if _no_touch(boxes, slabs, node, x, y, z, limit, touching, reach) or (
-            _least_along(boxes, node, centers, i, touches) - reach >= apart * radius
-        ):
+        if not _may_touch(nodes, node, x, y, z, radius, along, wide, reach, rows, best):
             continue
         if node < leaves:
             near, far = 2 * node, 2 * node + 1
+            ahead = 0.0
+            for k in range(3):
+                apart = nodes[far, k] + nodes[far, 3 + k] - nodes[near, k] - nodes[near, 3 + k]
+                ahead += apart * rows[2, k]
             # the widest partner of a touch would be its antipode: look there first
-            if box_distance2(boxes, near, p, q, r) > box_distance2(boxes, far, p, q, r):
+            if ahead < 0.0:
                 near, far = far, near
-            stack[top] = far
-            stack[top + 1] = near
-            top += 2
+            if box_distance2(nodes, far, x, y, z) <= limit2:
+                stack[top] = far
+                top += 1
+            if box_distance2(nodes, near, x, y, z) <= limit2:
+                stack[top] = near
+                top += 1
             continue
         for j in range(first[node], last[node]):
             a, b, c = points[j, 0] - x, points[j, 1] - y, points[j, 2] - z
-            d2 = a * a + b * b + c * c
-            h = a * normals[j, 0] + b * normals[j, 1] + c * normals[j, 2]
-            if d2 > limit * limit or (d2 - h * h > reach * reach and d2 > touching * touching):
+            if a * a + b * b + c * c > limit2:
                 continue
-            distance, u, v, w = _foot(centers, i, points, normals, j, reach)
-            dot = min(
-                u * touches[0, 0] + v * touches[0, 1] + w * touches[0, 2],
-                u * touches[1, 0] + v * touches[1, 1] + w * touches[1, 2],
+            dot, u, v, w = _touch(
+                points, normals, j, x, y, z, radius, along, wide, reach, rows, best
             )
-            full = count == _TOUCHES
-            if dot < (best if full else apart) and _touches(
-                distance, u, v, w, normals, j, radius, touches, tolerances
-            ):
-                place = count - 1 if full else count
-                touches[place, 0], touches[place, 1], touches[place, 2] = u, v, w
-                count = place + 1
-                best = min(best, dot)
-    return count
+            if dot < best:
+                best, p, q, r, found = dot, u, v, w, j
+    return best, p, q, r, found
 
 
-@njit(cache=True)
-def _least_along(boxes, node, centers, i, touches):
-    """Least component along either of two directions of a vector from a centre into a box."""
-    least = np.inf
-    for seed in range(2):
-        total = 0.0
-        for k in range(3):
-            edge = boxes[node, k] if touches[seed, k] > 0.0 else boxes[node, 3 + k]
-            total += touches[seed, k] * (edge - centers[i, k])
-        least = min(least, total)
-    return least
+@njit(cache=True, inline="always")
+def _touch(points, normals, j, x, y, z, radius, along, wide, reach, rows, best):
+    """Cosine of sample j's touch to row 2, and its direction; 2 if it is none."""
+    a, b, c = points[j, 0] - x, points[j, 1] - y, points[j, 2] - z
+    u, v, w = normals[j, 0], normals[j, 1], normals[j, 2]
+    d2 = a * a + b * b + c * c
+    h = a * u + b * v + c * w
+    if h > 0.0 and d2 - h * h <= reach * reach:
+        dot = _cosine(rows, u, v, w, 2)
+        if dot < best and h >= radius - 2.0 * wide:
+            # a centre moved by e along its sheet changes a gap by at most e times this chord
+            near = max(_cosine(rows, u, v, w, 0), _cosine(rows, u, v, w, 1))
+            if h <= radius + along * np.sqrt(max(0.0, 2.0 - 2.0 * near)):
+                return dot, u, v, w
+        return 2.0, u, v, w
+    # a sample beside the foot on a smooth surface looks along its normal: not a touch of its own
+    low, high = max(0.0, radius - 2.0 * wide), radius + wide
+    if d2 < low * low or d2 > high * high or (h > 0.0 and h * h >= SLANTED * SLANTED * d2):
+        return 2.0, u, v, w
+    d = max(np.sqrt(d2), 1e-300)
+    u, v, w = a / d, b / d, c / d
+    return _cosine(rows, u, v, w, 2), u, v, w

@@ -15,8 +15,6 @@ from medkit.grasping import (
     medial_axis_by_poles,
     sample_surface,
 )
-from medkit.medial.axis import sample_tree
-from medkit.medial.axis_kernels import shrink_balls
 from medkit.medial.filters import touch_circumradii, uncovered
 from medkit.medial.poles import poles_from_surface
 
@@ -38,28 +36,6 @@ def test_no_sample_is_inside_a_polar_ball():
     axis = poles_from_surface(sample)
     nearest = cKDTree(sample.points).query(axis.centers)[0]
     assert nearest == pytest.approx(axis.radii, rel=1e-6)
-
-
-def test_the_tree_finds_what_brute_force_finds():
-    """Plain twin of the compiled search: every pair of samples, no tree, no trust."""
-    for mesh in (BOX, create.icosphere(3, 0.05), create.torus(0.08, 0.03)):
-        sample = sample_surface(mesh, spacing=0.008)
-        tree = sample_tree(sample)
-        points, normals = tree[1], tree[2]
-        slack = 0.1 * sample.spacing
-        radii, stop = shrink_balls(*tree[1:], 0.5 * sample.diagonal, slack, 0.0)
-        away = points[:, None] - points[None]
-        d2 = np.sum(away**2, axis=2)
-        h = np.einsum("ijk,ik->ij", away, normals)
-        allowed = np.where(normals @ normals.T > 0.0, slack, 0.0)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            bound = np.where(h > allowed, (d2 - allowed**2) / (2.0 * (h - allowed)), np.inf)
-        plain = np.minimum(bound.min(axis=1), 0.5 * sample.diagonal)
-        found = stop >= 0
-        # what the tree may overlook reaches less than one slack into the ball
-        assert np.all(radii[found] >= plain[found] * (1.0 - 1e-12))
-        assert np.abs(radii - plain)[found].max() <= slack
-        assert np.mean(np.isclose(radii, plain, rtol=1e-9)) > 0.5
 
 
 def test_the_angle_filter_is_monotone_and_removes_edges():
