@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from medkit.errors import InputError
-from medkit.geometry import Floats, nonnegative, perpendicular, positive, unit
+from medkit.geometry import Floats, nonnegative, positive, unit
 from medkit.grasping.special_solids import ball_directions, opposing_chords
 from medkit.medial.axis import MedialAxis
 from medkit.medial.filters import MIN_OBJECT_ANGLE
@@ -213,11 +213,11 @@ def _around_axes(
     The first direction is that of a touch point: on a prism the palm then faces a side, not an
     edge (P13 4.4.4), and the candidates turn with the object.
     """
-    axis = symmetry.e1[rows]
-    first = part.touch_points[rows, 0] - part.centers[rows]
+    axis = _outwards(symmetry.e1[rows], part, rows)
+    first = _outer_touch(part)[rows]
     first -= np.einsum("ij,ij->i", first, axis)[:, None] * axis
     short = np.linalg.norm(first, axis=1) < 1e-3 * part.radii[rows]
-    first[short] = perpendicular(axis[short])
+    first[short] = _outwards(symmetry.e2[rows], part, rows)[short]
     first = unit(first)
     second = np.cross(axis, first)
     angles = 2.0 * np.pi * np.arange(steps) / steps
@@ -231,9 +231,26 @@ def _across_rims(part: MedialAxis, symmetry: LocalSymmetry, kept: Ints, rows: In
     """From outside across the rim, towards the centroid of the neighbourhood (P13 4.4.2)."""
     inwards = np.einsum("ij,ij->i", symmetry.e2[rows], symmetry.centroid[rows] - part.centers[rows])
     approach = np.where(inwards < 0.0, -1.0, 1.0)[:, None] * symmetry.e2[rows]
-    rim = symmetry.e1[rows]
+    rim = _outwards(symmetry.e1[rows], part, rows)
     closing = np.stack([rim, -rim], axis=1).reshape(-1, 3)
     return np.repeat(kept[rows], 2), np.repeat(approach, 2, axis=0), closing
+
+
+def _outwards(directions: Floats, part: MedialAxis, rows: Ints) -> Floats:
+    """Turn directions (n, 3), whose signs are arbitrary, away from the middle of all spheres.
+
+    The order of a sphere's candidates then belongs to the object, not to the frame of its mesh.
+    """
+    away = part.centers[rows] - part.centers.mean(axis=0)
+    return directions * np.where((directions * away).sum(axis=1) < 0.0, -1.0, 1.0)[:, None]
+
+
+def _outer_touch(part: MedialAxis) -> Floats:
+    """From each centre to that of its two touch points that is further from the middle (n, 3)."""
+    touch = part.touch_points - part.centers[:, None]
+    away = part.centers - part.centers.mean(axis=0)
+    inner = (touch[:, 0] * away).sum(axis=1) < (touch[:, 1] * away).sum(axis=1)
+    return np.where(inner[:, None], touch[:, 1], touch[:, 0])
 
 
 def _special_solids(
@@ -243,6 +260,7 @@ def _special_solids(
     parts: list[Rows] = []
     left = kept[fate[kept] == SphereFate.BALL]
     row_of = {int(sphere): row for row, sphere in enumerate(kept)}
+    outer = _outer_touch(part)
     while len(left):
         rows = np.array([row_of[int(sphere)] for sphere in left])
         first = rows[np.lexsort((rows, -part.object_angles[rows].round(6)))[0]]
@@ -252,7 +270,10 @@ def _special_solids(
         touch = part.touch_points[heap].reshape(-1, 3)
         chords = opposing_chords(touch - part.centers[first], part.radii[first])
         fate[kept[first]] = SphereFate.DOMINANT_SPHERE if len(chords) else SphereFate.BALL
-        approach, closing = ball_directions(chords)
+        other = touch[
+            np.linalg.norm(np.cross(touch - part.centers[first], outer[first]), axis=1).argmax()
+        ]
+        approach, closing = ball_directions(chords, (outer[first], other - part.centers[first]))
         parts.append((np.full(len(approach), kept[first]), approach, closing))
         left = left[away > search_radius]
     return parts

@@ -3,65 +3,37 @@
 from __future__ import annotations
 
 import hashlib
-import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib import import_module
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from medkit.errors import InputError
 from medkit.geometry import Floats, nonnegative
 from medkit.grasping.candidates import CandidateGrasps, candidates_from_axis
-from medkit.grasping.closing.object_field import object_field
-from medkit.grasping.grasp_set import (
-    FORCE_CLOSURE,
-    NOT_FORCE_CLOSURE,
-    START_COLLISION,
-    TOO_FEW_CONTACTS,
-    Grasp,
-    GraspSet,
-    ObjectRecord,
-)
-from medkit.grasping.power import Contacts, PowerCloser
+from medkit.grasping.grasp_set import Grasp, GraspSet, ObjectRecord
 from medkit.grasping.stopwatch import Stopwatch
+from medkit.grasping.testers import MIN_CONTACTS as MIN_CONTACTS
+from medkit.grasping.testers import GraspTester
+from medkit.grasping.testers import PowerTester as PowerTester
+from medkit.grasping.testers import Quality as Quality
+from medkit.grasping.testers import judge as judge
+from medkit.grasping.testers import power_tester as power_tester
 from medkit.medial.axis import medial_axis
 from medkit.meshes import mass_properties
-from medkit.quality import epsilon
 from medkit.robots.hand import Hand
 
 if TYPE_CHECKING:
     import trimesh
 
-#: Hard point contacts below this number cannot hold a body against every wrench.
-MIN_CONTACTS = 3
-#: How far [m] the hand stands off in the pose before the grasp.
-PREGRASP_WAY = 0.1
 #: Candidates that are tested when nothing else is asked for (P13 5.1.3: about 300 an object).
 DEFAULT_CANDIDATES = 400
 
 Progress = Callable[[Iterable[Any], int], Iterable[Any]]
-
-
-@dataclass(frozen=True)
-class Quality:
-    """What epsilon needs besides the contacts: friction, centre (3,) [m], torque scale [m]."""
-
-    friction: float
-    center: Floats
-    torque_scale: float
-
-    def epsilon(self, contacts: Contacts) -> float:
-        """L1 epsilon of 8-edge cones [N]; 0 when not force-closure (P13 4.6.2)."""
-        return epsilon(
-            contacts.points,
-            contacts.normals,
-            friction=self.friction,
-            torque_origin=self.center,
-            torque_scale=self.torque_scale,
-        ).lower
 
 
 def plan_grasps(
@@ -226,11 +198,6 @@ def radii_for(hand: Hand, grasp: str) -> tuple[float, float]:
     return least, hand.max_sphere_radius
 
 
-def power_tester(hand: Hand, triangles: Floats, quality: Quality) -> PowerTester:
-    """The closing strategy of power grasps (P13 algorithm 4)."""
-    return PowerTester(PowerCloser(hand, object_field(triangles)), quality)
-
-
 #: Candidate generators by the name of their planner, as "module:function". Each is called as
 #: ``(mesh, hand, *, grasp, search_radius, min_radius_ratio, watch) -> CandidateGrasps``.
 CANDIDATE_SOURCES = {
@@ -244,9 +211,9 @@ CHOOSERS = {"medial-plus": "medkit.grasping.improved:spread_candidates"}
 #: Planners that test a candidate in their own way, called as ``(tester, hand)``.
 REFINERS = {"medial-plus": "medkit.grasping.improved:SearchingTester.around"}
 #: Closing strategies by the kind of grasp, as "module:function". Each is called as
-#: ``(hand, triangles, quality)`` and returns a tester like `PowerTester`.
+#: ``(hand, triangles, quality)`` and returns a `GraspTester`.
 TESTERS = {
-    "power": "medkit.grasping.planners:power_tester",
+    "power": "medkit.grasping.testers:power_tester",
     "precision": "medkit.grasping.precision:precision_tester",
 }
 
@@ -263,79 +230,31 @@ def looked_up(table: Mapping[str, str], name: str, what: str) -> Callable[..., A
 def choose_candidates(
     candidates: CandidateGrasps, most: int | None, rng: np.random.Generator
 ) -> CandidateGrasps:
-    """At most so many candidates: all those of spheres drawn without replacement, in order."""
+    """At most so many candidates: all those of spheres drawn without replacement, in order.
+
+    Spheres are numbered by their distance from the middle of all, so that the same ones are
+    drawn however the object lies in its frame.
+    """
     if most is not None and most < 1:
         raise InputError(f"Expected at least one candidate, but got {most}; give a larger number.")
     if most is None or len(candidates) <= most:
         return candidates
-    _, groups = np.unique(candidates.sphere, return_inverse=True)
-    place = np.argsort(rng.permutation(groups.max() + 1))
-    order = np.argsort(place[groups], kind="stable")
+    number = sphere_numbers(candidates)
+    place = np.argsort(rng.permutation(number.max() + 1))
+    order = np.argsort(place[number], kind="stable")
     return candidates.select(np.sort(order[:most]))
 
 
-class PowerTester:
-    """Closes the hand on a candidate and judges the result."""
-
-    def __init__(self, closer: PowerCloser, quality: Quality) -> None:
-        self.closer = closer
-        self.quality = quality
-
-    def parts(self) -> dict[str, Any]:
-        """What another process needs to build the same tester."""
-        return {
-            "hand": self.closer.hand,
-            "triangles": self.closer.field.triangles,
-            "quality": self.quality,
-        }
-
-    @classmethod
-    def from_parts(cls, parts: Mapping[str, Any]) -> PowerTester:
-        """Build a tester from `parts`."""
-        field = object_field(parts["triangles"])
-        return cls(PowerCloser(parts["hand"], field), parts["quality"])
-
-    def test(
-        self, point: Floats, approach: Floats, closing_axis: Floats, radius: float
-    ) -> tuple[Grasp, float]:
-        """The tested grasp, and the time that its quality took [s]."""
-        closed = self.closer.close(point, approach, closing_axis)
-        begin = time.perf_counter()
-        value, outcome = judge(closed.contacts, self.quality, started=closed.started)
-        spent = time.perf_counter() - begin
-        pregrasp = closed.pose.copy()
-        pregrasp[:3, 3] -= PREGRASP_WAY * approach
-        hand = self.closer.hand
-        links = tuple(hand.link_names[hand.bodies[b].link] for b in closed.contacts.bodies)
-        grasp = Grasp(
-            outcome,
-            closed.pose,
-            pregrasp,
-            closed.q,
-            approach,
-            closing_axis,
-            point,
-            radius,
-            closed.contacts.points,
-            closed.contacts.normals,
-            links,
-            value,
-        )
-        return grasp, spent
-
-
-def judge(contacts: Contacts, quality: Quality, *, started: bool = True) -> tuple[float, str]:
-    """Epsilon [N] and outcome of a closed hand."""
-    if not started:
-        return 0.0, START_COLLISION
-    if len(contacts.points) < MIN_CONTACTS:
-        return 0.0, TOO_FEW_CONTACTS
-    value = quality.epsilon(contacts)
-    return (value, FORCE_CLOSURE) if value > 0.0 else (0.0, NOT_FORCE_CLOSURE)
+def sphere_numbers(candidates: CandidateGrasps) -> NDArray[np.int64]:
+    """Number (n,) of each candidate's sphere, counted by distance from the middle of all."""
+    _, first, group = np.unique(candidates.sphere, return_index=True, return_inverse=True)
+    points = candidates.grasp_point[first]
+    away = np.linalg.norm(points - points.mean(axis=0), axis=1)
+    return np.argsort(np.argsort(away, kind="stable"), kind="stable")[group]
 
 
 def run_candidates(
-    tester: PowerTester,
+    tester: GraspTester,
     candidates: CandidateGrasps,
     *,
     jobs: int = 1,
@@ -345,8 +264,8 @@ def run_candidates(
 
     Parameters
     ----------
-    tester : PowerTester
-        Or anything with its `test`.
+    tester : GraspTester
+        Closes and judges one candidate after the other.
     candidates : CandidateGrasps
         The candidates.
     jobs : int

@@ -5,8 +5,6 @@ After P13 4.7, algorithms 6 and 7, on the closing kernels of power grasps.
 
 from __future__ import annotations
 
-import time
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,8 +18,6 @@ from medkit.grasping.closing.finger_kernels import retreat
 from medkit.grasping.closing.hand_tables import ClosingHand, closing_hand, hand_rotation
 from medkit.grasping.closing.object_field import ObjectField, object_field
 from medkit.grasping.closing.pad_kernels import close_pads
-from medkit.grasping.grasp_set import Grasp
-from medkit.grasping.planners import PREGRASP_WAY, Quality, judge
 from medkit.grasping.power import (
     CONTACT_SEPARATION,
     CONTACT_TOLERANCE,
@@ -36,7 +32,12 @@ from medkit.grasping.precision_grip import (
     opposing_fingers,
     precision_grip,
 )
+from medkit.grasping.testers import GraspTester, Quality
 from medkit.robots.hand import Hand
+
+#: P13 5.1.6: how far the baseline's palm stands off [m], and fingers without a part stay open.
+STANDOFF = 0.05
+IDLE = "power"
 
 
 @dataclass(frozen=True)
@@ -79,9 +80,10 @@ class PrecisionCloser:
     standoff : float
         For candidates that are from no sphere (the surface-normal baseline of P13 5.1.6): the
         hand, as wide open as its pads go, is drawn back from the grasp point until it is free
-        and then so much further [m].
+        and then so much further [m]. P13 takes 50 and 70 mm; 50 serves this hand better.
     idle : str
-        Preshape of the fingers that take no part, see `precision_grip`.
+        Preshape of the fingers that take no part, see `precision_grip`. Open, as in P13 5.1.6:
+        a folded finger's knuckle stands before the palm.
 
     Examples
     --------
@@ -100,8 +102,8 @@ class PrecisionCloser:
         field: ObjectField,
         *,
         opening_factor: float = OPENING_FACTOR,
-        standoff: float = 0.0,
-        idle: str = "precision",
+        standoff: float = STANDOFF,
+        idle: str = IDLE,
     ) -> None:
         self.hand = hand
         self.field = field
@@ -200,53 +202,29 @@ class PrecisionCloser:
         return Contacts(rows[:, :3].copy(), rows[:, 3:6].copy(), rows[:, 6].astype(np.int64))
 
 
-class PrecisionTester:
-    """Closes the pads on a candidate and judges the result; the counterpart of `PowerTester`."""
+class PrecisionTester(GraspTester):
+    """Precision grasps (P13 4.7)."""
 
-    def __init__(self, closer: PrecisionCloser, quality: Quality) -> None:
-        self.closer = closer
-        self.quality = quality
+    def closed(
+        self, point: Floats, approach: Floats, closing_axis: Floats, radius: float
+    ) -> ClosedPrecisionGrasp:
+        """Start with the sphere between the pads, then close them while the hand follows."""
+        done: ClosedPrecisionGrasp = self.closer.close(point, approach, closing_axis, radius)
+        return done
 
-    def parts(self) -> dict[str, Any]:
-        """What another process needs to build the same tester."""
-        return {
-            "hand": self.closer.hand,
-            "triangles": self.closer.field.triangles,
-            "quality": self.quality,
-            "opening_factor": self.closer.opening_factor,
-            "standoff": self.closer.standoff,
-            "idle": self.closer.idle,
-        }
+    def options(self) -> dict[str, Any]:
+        """Opening, standoff and idle fingers of the closer."""
+        names = ("opening_factor", "standoff", "idle")
+        return {name: getattr(self.closer, name) for name in names}
 
     @classmethod
-    def from_parts(cls, parts: Mapping[str, Any]) -> PrecisionTester:
-        """Build a tester from `parts`."""
-        closer = PrecisionCloser(
-            parts["hand"], object_field(parts["triangles"]),
-            opening_factor=parts["opening_factor"], standoff=parts["standoff"],
-            idle=parts["idle"],
-        )  # fmt: skip
-        return cls(closer, parts["quality"])
-
-    def test(
-        self, point: Floats, approach: Floats, closing_axis: Floats, radius: float
-    ) -> tuple[Grasp, float]:
-        """The tested grasp, and the time that its quality took [s]."""
-        closed = self.closer.close(point, approach, closing_axis, radius)
-        begin = time.perf_counter()
-        value, outcome = judge(closed.contacts, self.quality, started=closed.started)
-        spent = time.perf_counter() - begin
-        pregrasp = closed.start_pose.copy()
-        pregrasp[:3, 3] -= PREGRASP_WAY * approach
-        hand, contacts = self.closer.hand, closed.contacts
-        links = tuple(hand.link_names[hand.bodies[b].link] for b in contacts.bodies)
-        grasp = Grasp(
-            outcome, closed.pose, pregrasp, closed.q, approach, closing_axis, point, radius,
-            contacts.points, contacts.normals, links, value,
-        )  # fmt: skip
-        return grasp, spent
+    def build(
+        cls, hand: Hand, triangles: Floats, quality: Quality, **options: Any
+    ) -> PrecisionTester:
+        """Prepare a hand and an object of triangles (n, 3, 3) [m]."""
+        return cls(PrecisionCloser(hand, object_field(triangles), **options), quality)
 
 
 def precision_tester(hand: Hand, triangles: Floats, quality: Quality) -> PrecisionTester:
     """Prepare the published precision grasps of one hand on one object for the planners."""
-    return PrecisionTester(PrecisionCloser(hand, object_field(triangles)), quality)
+    return PrecisionTester.build(hand, triangles, quality)

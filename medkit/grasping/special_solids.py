@@ -81,7 +81,9 @@ def even_directions(count: int) -> Floats:
     return lattice[np.argsort((place * golden) % 1.0, kind="stable")]
 
 
-def ball_directions(chords: Floats) -> tuple[Floats, Floats]:
+def ball_directions(
+    chords: Floats, seen: tuple[Floats, Floats] | None = None
+) -> tuple[Floats, Floats]:
     """Approach directions and closing axes for one sphere that stands for its solid.
 
     Parameters
@@ -89,6 +91,9 @@ def ball_directions(chords: Floats) -> tuple[Floats, Floats]:
     chords : ndarray, shape (c, 3)
         Its opposing touch directions. With none the solid is a ball, and directions come from
         all around, each with several turns of the hand: see `even_directions`.
+    seen : tuple of two ndarrays, shape (3,), optional
+        Two directions of the solid, to which the directions are tied so that they turn with it.
+        The axes of the frame when left out.
 
     Returns
     -------
@@ -96,21 +101,35 @@ def ball_directions(chords: Floats) -> tuple[Floats, Floats]:
         Unit directions. With chords the approach lies in the plane normal to a chord, along
         other chords where there are any, and the fingers close across the chord.
     """
+    frame = np.eye(3) if seen is None else _frame(*seen)
     if not len(chords):
         approach = even_directions(BALL_DIRECTIONS)
         first = perpendicular(approach)
         second = np.cross(approach, first)
         turns = 2.0 * np.pi * np.arange(BALL_ROLLS) / BALL_ROLLS
         axes = np.cos(turns)[:, None] * first[:, None] + np.sin(turns)[:, None] * second[:, None]
-        return np.repeat(approach, BALL_ROLLS, axis=0), axes.reshape(-1, 3)
+        return np.repeat(approach, BALL_ROLLS, axis=0) @ frame.T, axes.reshape(-1, 3) @ frame.T
     rows = []
     for k, chord in enumerate(chords):
         others = np.delete(chords, k, axis=0)
         others = others - np.outer(others @ chord, chord)
         long = np.linalg.norm(others, axis=1) > 0.5
-        start = unit(others[long][0]) if long.any() else perpendicular(chord)
+        start = unit(others[long][0]) if long.any() else frame @ perpendicular(frame.T @ chord)
         for angle in 2.0 * np.pi * np.arange(STEPS) / STEPS:
             approach = np.cos(angle) * start + np.sin(angle) * np.cross(chord, start)
             closing = np.cross(chord, approach)
             rows += [(approach, closing), (approach, -closing)]
     return np.array([row[0] for row in rows]), np.array([row[1] for row in rows])
+
+
+def _frame(first: Floats, second: Floats) -> Floats:
+    """Right-handed unit axes as columns (3, 3), the first along `first`, the second near `second`.
+
+    Where the two are parallel, any axes do.
+    """
+    x = unit(first)
+    across = np.cross(x, second)
+    if np.linalg.norm(across) < 1e-6 * np.linalg.norm(second):
+        across = perpendicular(x)
+    z = unit(across)
+    return np.stack([x, np.cross(z, x), z], axis=1)
