@@ -35,7 +35,7 @@ SETTINGS = {
     "notebook-extension/tracker.jupyterlab-settings": '{"windowingMode": "none"}',
     "apputils-extension/notification.jupyterlab-settings": '{"fetchNews": "false"}',
 }
-WIDTH, HEIGHT, TALLEST = 1400, 1000, 15_000  # [px]
+WIDTH, HEIGHT, TALLEST = 1400, 1000, 7_000  # [px]
 LEAST_COLOURS = 40  # of a picture that shows something
 LEAST_CHANGE = 0.002  # share of pixels that a moved slider or a turned view changes
 IDLE = "text=| Idle"
@@ -165,28 +165,29 @@ def run_notebook(page: Page, lab: Lab, notebook: Path, out: Path) -> list[str]:
     page.goto(lab.address(notebook))
     page.wait_for_selector(".jp-Notebook .jp-CodeCell", timeout=120_000)
     page.wait_for_selector(IDLE, timeout=120_000)
+    page.keyboard.press("Control+b")  # the list of files is of no use here
     page.click(".lm-MenuBar-itemLabel:text-is('Run')")
     page.click(".lm-Menu-itemLabel:text-is('Run All Cells')")
     wait_until_run(page)
     errors = page.query_selector_all("[data-mime-type='application/vnd.jupyter.error']")
     wrong = [f"{len(errors)} cells failed"] if errors else []
     wrong += move_slider(page) + turn_view(page)
-    enlarge(page)
-    wrong += shown(page, out / f"{notebook.stem}.png")
+    wrong += pictures(page, out, notebook.stem)
     lab.end_kernels()
     return [f"{notebook.name}: {failure}" for failure in wrong]
 
 
-def enlarge(page: Page) -> None:
-    """Make the window as tall as the notebook, so that one picture shows all of it."""
-    page.keyboard.press("Escape")
-    page.keyboard.press("Control+b")
-    tall = page.evaluate(
-        "Math.max(...[...document.querySelectorAll('[class*=jp-WindowedPanel]')]"
-        ".map(n => n.scrollHeight))"
-    )
-    page.set_viewport_size({"width": WIDTH, "height": min(int(tall) + 160, TALLEST)})
-    page.wait_for_timeout(2000)
+def pictures(page: Page, out: Path, stem: str) -> list[str]:
+    """Save the whole notebook, in as many tall pictures as it needs."""
+    panels = "[...document.querySelectorAll('[class*=jp-WindowedPanel]')]"
+    tall = int(page.evaluate(f"Math.max(...{panels}.map(n => n.scrollHeight))"))
+    page.set_viewport_size({"width": WIDTH, "height": min(tall + 160, TALLEST)})
+    wrong, step = [], TALLEST - 160
+    for part in range(-(-tall // step)):
+        page.evaluate(f"{panels}.forEach(n => {{ n.scrollTop = {part * step}; }})")
+        page.wait_for_timeout(1500)
+        wrong += shown(page, out / (f"{stem}.png" if part == 0 else f"{stem}_{part + 1}.png"))
+    return wrong
 
 
 def move_slider(page: Page) -> list[str]:

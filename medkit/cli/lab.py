@@ -25,6 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(args: argparse.Namespace) -> int:
     """Print a line per submission, and write the table where asked."""
     import csv
+    import sys
     from itertools import groupby
     from pathlib import Path
 
@@ -39,14 +40,16 @@ def run(args: argparse.Namespace) -> int:
     def bar(paths: list[Path]) -> tqdm[Path]:
         return tqdm(paths, unit="submission", leave=False)
 
-    rows = list(table(Path(args.folder), seed=args.seed, time_limit=args.time_limit, progress=bar))
-    for submission, group in groupby(rows, key=lambda row: row["submission"]):
+    rows = []
+    graded = table(Path(args.folder), seed=args.seed, time_limit=args.time_limit, progress=bar)
+    for submission, group in groupby(graded, key=lambda row: row["submission"]):
         mine = list(group)
+        rows += mine
         passed = sum(row["passed"] for row in mine)
-        print(f"{passed}/{len(mine)}  {submission}")
-        for row in mine:
-            if not row["passed"]:
-                print(f"      {row['exercise']}: {row['hint']}")
+        lines = [f"{passed}/{len(mine)}  {submission}"]
+        lines += [f"      {row['exercise']}: {row['hint']}" for row in mine if not row["passed"]]
+        # as soon as it is known, above the bar
+        tqdm.write("\n".join(lines), file=sys.stdout)
     if args.out:
         with whole_file(args.out) as draft, draft.open("w", newline="", encoding="utf-8") as file:
             writer = csv.DictWriter(file, fieldnames=["submission", "exercise", "passed", "hint"])

@@ -131,6 +131,7 @@ function render() {
   gl.uniform3fv(paint.at.eye, eye);
   gl.uniform3fv(paint.at.light, unit([0.5, 0.9, 0.7].reduce((sum, w, k) => add(sum, [view[k], view[4 + k], view[8 + k]], w * [-1, 1, 1][k]), [0, 0, 0])));
   drawScene();
+  drawWrenches(view);
 }
 function drawScene() {
   const grasp = shown[current], alpha = (id) => Number(byId(id).value);

@@ -17,7 +17,7 @@ from medkit.files import write_text
 from medkit.geometry import Floats
 from medkit.robots import Hand
 from medkit.viz.hands import PALM_COLOUR, finger_colours
-from medkit.viz.style import BLACK, OBJECT_GREY, PURPLE, YELLOW
+from medkit.viz.style import BLACK, BLUE, OBJECT_GREY, ORANGE, PURPLE, YELLOW
 
 if TYPE_CHECKING:
     import trimesh
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 #: More triangles than this are merged for the page only, so that it stays small.
 MOST_FACES = 40_000
 MOST_GRASPS = 300
+SCRIPTS = ("scene.js", "scene_wrench.js")
 
 
 def write_scene_html(
@@ -145,8 +146,21 @@ def _scene_data(object_mesh: trimesh.Trimesh, hand: Hand, preshape: str) -> dict
         "centre": (0.5 * (low + high)).round(6).tolist(),
         "size": round(span, 6),
         "mark": round(0.02 * reach, 6),
-        "colours": {"contact": PURPLE, "normal": BLACK, "cone": YELLOW},
+        "mass": np.round(object_mesh.center_mass, 9).tolist(),
+        "reach": round(_reach(object_mesh), 9),
+        "colours": {
+            "contact": PURPLE,
+            "normal": BLACK,
+            "cone": YELLOW,
+            "hull": BLUE,
+            "ball": ORANGE,
+        },
     }
+
+
+def _reach(mesh: trimesh.Trimesh) -> float:
+    """Largest distance from the centre of mass [m], by which torques are divided."""
+    return float(np.linalg.norm(mesh.vertices - mesh.center_mass, axis=1).max())
 
 
 def _grasp_entry(
@@ -232,7 +246,7 @@ def _page(
         "EDGES": edges,
         "LEGEND": _legend(hand),
         "STYLE": room.joinpath("scene.css").read_text(encoding="utf-8"),
-        "SCRIPT": room.joinpath("scene.js").read_text(encoding="utf-8"),
+        "SCRIPT": "".join(room.joinpath(name).read_text(encoding="utf-8") for name in SCRIPTS),
         "DATA": payload,
     }
     page = room.joinpath("scene.html").read_text(encoding="utf-8")
