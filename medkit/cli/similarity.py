@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 HELP = "rank planned grasps by human-likeness"
 MEASURES = ("d_symmetric", "d_eucl", "d_z", "nearest")
+SHOWN = 10  # findings about the recordings that are printed
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -119,13 +120,17 @@ def _check(recordings: pd.DataFrame, objects: pd.DataFrame) -> None:
     from medkit.similarity.validate import validate
 
     findings = validate(recordings, objects)
-    for row in findings.itertuples():
+    # errors first, and no more of them than fit on a screen
+    shown = findings.sort_values("severity", kind="stable").head(SHOWN)
+    for row in shown.itertuples():
         print(f"{row.severity}: {row.rows}: {row.problem}; {row.advice}", file=sys.stderr)
+    if len(findings) > len(shown):
+        print(f"and {len(findings) - len(shown)} findings more", file=sys.stderr)
     errors = int((findings["severity"] == "error").sum())
     if errors:
         raise InputError(
-            f"Expected usable recordings, but found {errors} errors in them (listed above);"
-            " mend them or leave those trials out."
+            f"Expected usable recordings, but found {errors} errors in them (the first stand"
+            " above); mend them or leave those trials out."
         )
 
 

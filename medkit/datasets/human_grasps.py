@@ -123,6 +123,11 @@ def load_human_objects(path: str | os.PathLike[str] | None = None) -> pd.DataFra
         )
     table = _read_csv(file)
     _check_columns(table, OBJECT_COLUMNS, file)
+    twice = table["object"][table["object"].duplicated()]
+    if len(twice):
+        raise InputError(
+            f"Expected one row per object in {file}, but {twice.iloc[0]!r} comes twice; leave one."
+        )
     table = table.set_index("object")
     sizes = table[["extent_x", "extent_y", "extent_z"]].apply(pd.to_numeric, errors="coerce")
     if not bool((sizes > 0.0).all(axis=None)):
@@ -161,6 +166,11 @@ def _read_csv(file: Path) -> pd.DataFrame:
 
 def _check_columns(table: pd.DataFrame, expected: tuple[str, ...], file: Path) -> None:
     missing = [column for column in expected if column not in table.columns]
+    if len(table.columns) == 1 and (";" in table.columns[0] or "\t" in table.columns[0]):
+        raise InputError(
+            f"Expected columns separated by commas in {file}, but they are separated by"
+            f" {'semicolons' if ';' in table.columns[0] else 'tabs'}; export it with commas."
+        )
     if missing:
         raise InputError(
             f"Expected the columns {', '.join(expected)} in {file}, but {', '.join(missing)}"
@@ -183,6 +193,12 @@ def _read_table(file: Path) -> pd.DataFrame:
     table["trial"] = trial.astype(np.int64)
     table["simulated"] = _flags(table["simulated"], file)
     for column in ("subject", "object", "sensor"):
+        nameless = np.flatnonzero(table[column].isna().to_numpy())
+        if nameless.size:
+            raise InputError(
+                f"Expected a name in column {column} of {file}, but data row {nameless[0] + 1} has"
+                " none; fill it in."
+            )
         table[column] = table[column].astype(str)
     return table
 

@@ -1,6 +1,7 @@
 """`medkit similarity` from grasp file to table, and what it refuses."""
 
 import json
+import re
 
 import numpy as np
 import pandas as pd
@@ -123,3 +124,38 @@ def test_recordings_with_errors_are_refused(humans, grasp_file, tmp_path, capsys
     said = capsys.readouterr().err
     assert "millimetres" in said
     assert "5 errors" in said
+
+
+def test_a_fault_in_every_trial_fits_on_a_screen(grasp_file, humans, tmp_path, capsys):
+    folder = tmp_path / "people"
+    folder.mkdir()
+    pd.read_csv(f"{humans}/few.csv").assign(object="cup").to_csv(folder / "few.csv", index=False)
+    (folder / "objects.csv").write_text((human_grasps_folder() / "objects.csv").read_text())
+    assert main(["similarity", str(grasp_file), str(folder)]) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 12
+    assert all(line.startswith("error: ") for line in lines[:10])
+    assert lines[10].endswith("findings more")
+
+
+@pytest.mark.parametrize(
+    ("people", "things", "words"),
+    [
+        (lambda text: text, lambda text: text + text.splitlines()[1] + "\n", "comes twice"),
+        (lambda text: text.replace(",", ";"), lambda text: text, "separated by semicolons"),
+        (lambda text: text.replace(",", "\t"), lambda text: text, "separated by tabs"),
+        (lambda text: text.replace("S3,", ",", 1), lambda text: text, "column subject .* has none"),
+    ],
+)
+def test_a_broken_folder_gives_one_sentence(
+    grasp_file, humans, tmp_path, capsys, people, things, words
+):
+    folder = tmp_path / "people"
+    folder.mkdir()
+    with open(f"{humans}/few.csv", encoding="utf-8") as file:
+        (folder / "few.csv").write_text(people(file.read()))
+    (folder / "objects.csv").write_text(things((human_grasps_folder() / "objects.csv").read_text()))
+    assert main(["similarity", str(grasp_file), str(folder)]) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 1
+    assert re.search(words, lines[0])
