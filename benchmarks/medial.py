@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import statistics
 import sys
 import time
@@ -13,6 +14,8 @@ import numpy as np
 import trimesh
 from scipy.spatial import Delaunay, cKDTree
 
+from medkit.datasets import load_folder
+from medkit.errors import InputError
 from medkit.grasping import (
     MedialAxis,
     MedialSphereGrid,
@@ -23,8 +26,11 @@ from medkit.grasping import (
     sample_surface,
 )
 from medkit.medial.axis import medial_axis_from_surface
+from medkit.meshes import repair_mesh
 
 create = trimesh.creation
+SIZES = (5_000, 10_000, 20_000, 50_000, 100_000)
+RIVAL_SECONDS = 1.0  # CPU time on one shape after which a rival is not run on larger ones
 P13_MS = (6.0, 37.0)  # P13 table 5.6, per sphere, on the hardware of 2013
 
 
@@ -108,24 +114,50 @@ def cpu_seconds(function: Callable[[], object], runs: int = 3) -> float:
     return statistics.median(times)
 
 
+def timed_row(label: str, sample: SurfaceSample, sampling: float, spent: dict[str, float]) -> None:
+    """Print one line of the axis table; a rival that has used up its time is left out."""
+    n = len(sample)
+    ours = 1e6 * cpu_seconds(lambda: medial_axis_from_surface(sample)) / n
+    rivals = {"poles": delaunay_poles, "kd ball": plain_shrinking_ball}
+    times = {}
+    for name, rival in rivals.items():
+        if spent[name] < RIVAL_SECONDS:
+            seconds = cpu_seconds(lambda r=rival: r(sample), 1)
+            spent[name] += seconds
+            times[name] = 1e6 * seconds / n
+    cells = "".join(f"{times[name]:>9.1f}" if name in times else f"{'-':>9}" for name in rivals)
+    ratio = f"{min(times.values()) / ours:>8.1f}" if times else f"{'-':>8}"
+    print(f"{label:>14}{n:>9}{1e6 * sampling / n:>10.1f}{ours:>9.1f}{cells}{ratio}", flush=True)
+
+
 def run_axes() -> None:
-    """Medial axis per sample, against both rivals."""
-    print("medial axis, us per sample (sampling apart); ratio = best rival / medkit")
+    """Medial axis per sample, against both rivals, from 5k to 100k samples."""
+    print("medial axis from samples, touch points and angles included, us per sample (sampling"
+          " apart)")  # fmt: skip
+    print(f"ratio = better rival / medkit; a rival is stopped after {RIVAL_SECONDS:g} s a shape")
     print(f"{'shape':>14}{'samples':>9}{'sampling':>10}{'medkit':>9}{'poles':>9}"
           f"{'kd ball':>9}{'ratio':>8}")  # fmt: skip
     for name, make in SHAPES.items():
-        mesh = make()
-        for target in (5_000, 10_000, 20_000, 50_000, 100_000):
+        mesh, spent = make(), {"poles": 0.0, "kd ball": 0.0}
+        for target in SIZES:
             spacing = float(np.sqrt(0.89 * mesh.area / target))
+            start = time.process_time()
             sample = sample_surface(mesh, spacing=spacing)
-            n = len(sample)
-            ours = cpu_seconds(lambda s=sample: medial_axis_from_surface(s))
-            sampling = cpu_seconds(lambda m=mesh, d=spacing: sample_surface(m, spacing=d), 1)
-            poles = cpu_seconds(lambda s=sample: delaunay_poles(s), 1)
-            plain = cpu_seconds(lambda s=sample: plain_shrinking_ball(s), 1)
-            us = [1e6 * t / n for t in (sampling, ours, poles, plain)]
-            print(f"{name:>14}{n:>9}{us[0]:>10.1f}{us[1]:>9.1f}{us[2]:>9.1f}{us[3]:>9.1f}"
-                  f"{min(us[2:]) / us[1]:>8.1f}", flush=True)  # fmt: skip
+            timed_row(name, sample, time.process_time() - start, spent)
+
+
+def run_folder(folder: str) -> None:
+    """The same for every mesh of a folder, at the default spacing."""
+    print(f"\nmeshes of {folder} at the default spacing")
+    for name, mesh in load_folder(folder):
+        try:
+            mended = repair_mesh(mesh).mesh
+        except InputError as error:
+            print(f"{name:>14} refused: {error}")
+            continue
+        start = time.process_time()
+        sample = sample_surface(mended)
+        timed_row(name, sample, time.process_time() - start, {"poles": 0.0, "kd ball": 0.0})
 
 
 def sheet(n: int) -> MedialAxis:
@@ -184,9 +216,11 @@ def run_memory() -> None:
 
 
 def run() -> None:
-    """All tables."""
+    """All tables; with a folder in the variable MEDKIT_MESHES, its meshes too."""
     local_symmetry(MedialSphereGrid.from_axis(filter_object_angle(medial_axis(hammer()))), 0.03)
     run_axes()
+    if os.environ.get("MEDKIT_MESHES"):
+        run_folder(os.environ["MEDKIT_MESHES"])
     run_symmetry()
     run_memory()
     sys.stdout.flush()
