@@ -6,6 +6,8 @@ P13 prints no raw data. What the generator does, and after whom, is said at each
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
@@ -53,14 +55,22 @@ def simulate_recordings(
     """
     numbers = checked_protocol(protocol or Protocol())
     tables = []
+    for name, shape, trial, habit, chance in _trials(numbers, shapes, rng):
+        hand, wrist = end_posture(shape, habit, numbers, chance)
+        times, paths = trial_paths(shape, habit, hand, wrist, numbers, chance)
+        tables.append(_tidy(name, shape.name, trial, times, paths))
+    return pd.concat(tables, ignore_index=True)
+
+
+def _trials(
+    numbers: Protocol, shapes: tuple[Shape, ...], rng: np.random.Generator
+) -> Iterator[tuple[str, Shape, int, Habit, np.random.Generator]]:
+    """Subject, object, trial, the subject's habit, and the trial's own source of chance."""
     for subject, own in enumerate(rng.spawn(numbers.subjects)):
         habit = _habit(subject, numbers, own)
         for shape in shapes:
             for trial, chance in enumerate(own.spawn(numbers.trials), start=1):
-                hand, wrist = end_posture(shape, habit, numbers, chance)
-                times, paths = trial_paths(shape, habit, hand, wrist, numbers, chance)
-                tables.append(_tidy(f"S{subject + 1}", shape.name, trial, times, paths))
-    return pd.concat(tables, ignore_index=True)
+                yield f"S{subject + 1}", shape, trial, habit, chance
 
 
 def simulate_fingertips(
@@ -194,11 +204,8 @@ def true_end_postures(
     """
     numbers = checked_protocol(protocol or Protocol())
     rows = []
-    for subject, own in enumerate(rng.spawn(numbers.subjects)):
-        habit = _habit(subject, numbers, own)
-        for shape in shapes:
-            for trial, chance in enumerate(own.spawn(numbers.trials), start=1):
-                hand, wrist = end_posture(shape, habit, numbers, chance)
-                for sensor, place in zip(SENSORS, np.vstack([hand, wrist]), strict=True):
-                    rows.append((f"S{subject + 1}", shape.name, trial, sensor, *place))
+    for name, shape, trial, habit, chance in _trials(numbers, shapes, rng):
+        hand, wrist = end_posture(shape, habit, numbers, chance)
+        for sensor, place in zip(SENSORS, np.vstack([hand, wrist]), strict=True):
+            rows.append((name, shape.name, trial, sensor, *place))
     return pd.DataFrame(rows, columns=["subject", "object", "trial", "sensor", "x", "y", "z"])
