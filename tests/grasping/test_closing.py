@@ -1,4 +1,4 @@
-"""Closing: known angles, monotony, independence of the triangulation, clearance bounds."""
+"""Closing: known angles, monotony, independence of the triangulation and of the frame."""
 
 from __future__ import annotations
 
@@ -6,10 +6,13 @@ import igl
 import numpy as np
 import pytest
 import trimesh
+from scipy.optimize import brentq
 
 from medkit.errors import InputError
+from medkit.geometry import random_rotation
 from medkit.grasping import PowerCloser, object_field
-from medkit.grasping.closing.body_kernels import point_clearance
+from medkit.grasping.closing.face_tree import face_tree, smallest_balls
+from medkit.grasping.closing.finger_kernels import TOUCH
 from medkit.grasping.closing.object_field import split_long_edges
 from medkit.robots import load_hand
 
@@ -29,12 +32,13 @@ def closed(hand, mesh, **options):
 def test_lattice_never_overstates_the_distance():
     mesh = trimesh.creation.torus(0.04, 0.01)
     field = object_field(mesh.triangles, spacing=0.006)
-    points = np.random.default_rng(0).uniform(-0.09, 0.09, (500, 3))
+    nodes = np.stack(np.unravel_index(np.arange(field.distances.size), field.distances.shape), 1)
+    nodes = nodes[::97]
+    at = field.origin + nodes * field.spacing
     squared = igl.point_mesh_squared_distance(
-        points, np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int64)
+        at, np.array(mesh.vertices), np.array(mesh.faces, dtype=np.int64)
     )[0]
-    bound = np.array([point_clearance(field, *point) for point in points])
-    assert (bound <= np.sqrt(squared) + 1e-7).all()
+    assert (field.distances[tuple(nodes.T)] <= np.sqrt(squared) + 1e-7).all()
 
 
 def test_inside_flags_agree_with_a_ball():
@@ -90,6 +94,98 @@ def test_a_finger_stops_at_a_plane_where_geometry_says(hand):
         gaps.append(igl.signed_distance(points, vertices, faces, kind)[0].min())
     assert min(gaps) > -1e-5
     assert sum(gap < 2e-4 for gap in gaps) >= 3
+
+
+def test_parallel_jaws_stop_at_half_the_width_of_a_box():
+    """The WSG-50's jaws are flat and slide: the joint values follow from the width alone."""
+    hand = load_hand("wsg50")
+    for width in (0.02, 0.05, 0.08):
+        closer = PowerCloser(hand, object_field(trimesh.creation.box([width, 0.1, 0.1]).triangles))
+        pose = closer.start_pose(np.zeros(3), np.array([0, 0, -1.0]), np.array([0, 1.0, 0]))
+        grasp = closer.close_from(pose, np.array([0, 0, -1.0]))
+        assert (grasp.stops == TOUCH).all()
+        for finger in hand.fingers:
+            point, inwards = hand.pads(grasp.q)[finger.name]
+            point = grasp.pose[:3, :3] @ point + grasp.pose[:3, 3]
+            inwards = grasp.pose[:3, :3] @ inwards
+            assert inwards @ point == pytest.approx(-0.5 * width, abs=2e-5)
+
+
+def test_a_finger_stops_where_its_lowest_corner_reaches_a_plane(hand):
+    """A flat wall before the fingers: the angle is the root of the corners' height over it."""
+    grasp, pose, level = _closed_on_a_wall(hand)
+    for k, finger in enumerate(hand.fingers[1:], start=1):
+        joint, bodies = int(finger.joints[0]), finger.moved_bodies[0]
+
+        def lowest(angle, joint=joint, bodies=bodies):
+            q = np.array(hand.preshapes["power"])
+            q[joint] = angle
+            links = pose @ hand.link_poses(q)
+            corners = [
+                hand.bodies[b].vertices @ links[hand.bodies[b].link][:3, :3].T
+                + links[hand.bodies[b].link][:3, 3]
+                for b in bodies
+            ]
+            return level - np.vstack(corners)[:, 0].max()
+
+        angles = np.linspace(0.0, np.pi, 400)
+        heights = np.array([lowest(angle) for angle in angles])
+        assert heights[0] > 0.0
+        first = int(np.argmax(heights < 0.0))
+        wanted = brentq(lowest, angles[first - 1], angles[first])
+        assert grasp.stops[2 * k] == TOUCH
+        assert grasp.q[joint] == pytest.approx(wanted, abs=3e-4)
+
+
+def _closed_on_a_wall(hand, level=0.03):
+    """The hand, palm away from a wall at x = level, closes its fingers against it."""
+    wall = trimesh.creation.box([0.1, 1.0, 1.0])
+    wall.apply_translation([level + 0.05, 0.0, 0.0])
+    closer = PowerCloser(hand, object_field(wall.triangles))
+    pose = closer.start_pose(np.zeros(3), APPROACH, ALONG)
+    return closer.close_from(pose, APPROACH), closer.close_from(pose, APPROACH).pose, level
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_moving_hand_and_object_together_changes_nothing(hand, seed):
+    rng = np.random.default_rng(seed)
+    R, shift = random_rotation(rng), rng.uniform(-0.5, 0.5, 3)
+    mesh = trimesh.creation.capsule(0.12, 0.025, count=[24, 24])
+    moved = mesh.copy()
+    moved.vertices = mesh.vertices @ R.T + shift
+    one = PowerCloser(hand, object_field(mesh.triangles)).close(np.zeros(3), APPROACH, ALONG)
+    two = PowerCloser(hand, object_field(moved.triangles)).close(shift, R @ APPROACH, R @ ALONG)
+    np.testing.assert_allclose(two.pose[:3, :3], R @ one.pose[:3, :3], atol=1e-9)
+    np.testing.assert_allclose(two.pose[:3, 3], R @ one.pose[:3, 3] + shift, atol=1e-5)
+    np.testing.assert_allclose(two.q, one.q, atol=1e-3)
+    assert (one.stops == two.stops).all()
+
+
+def test_the_tree_holds_every_piece_once_and_its_balls_hold_what_is_below():
+    mesh = trimesh.creation.torus(0.05, 0.02)
+    pieces, faces = split_long_edges(np.array(mesh.triangles), 0.008)
+    tree = face_tree(pieces, faces)
+    assert sorted(tree.faces) == sorted(faces)
+    leaves = len(tree.starts) - 1
+    held = [tree.pieces[tree.starts[k] : tree.starts[k + 1]].reshape(-1, 3) for k in range(leaves)]
+    for node in range(leaves - 2, -1, -1):
+        low = high = node
+        while low < leaves - 1:
+            low, high = 2 * low + 1, 2 * high + 2
+        points = np.vstack(held[low - leaves + 1 : high - leaves + 2])
+        way = np.linalg.norm(points - tree.balls[node, :3], axis=1)
+        assert way.max() <= tree.balls[node, 3] + 1e-12
+
+
+def test_the_smallest_ball_of_a_triangle_holds_it_and_no_smaller_one_does():
+    triangles = np.random.default_rng(3).normal(size=(200, 3, 3))
+    balls = smallest_balls(triangles)
+    way = np.linalg.norm(triangles - balls[:, None, :3], axis=2)
+    assert (way <= balls[:, None, 3] + 1e-12).all()
+    # Two corners across the middle, or three around it: the ball cannot shrink.
+    on = np.isclose(way, balls[:, None, 3], rtol=1e-9).sum(axis=1)
+    longest = np.linalg.norm(triangles - np.roll(triangles, 1, axis=1), axis=2).max(axis=1)
+    assert ((on == 3) | np.isclose(longest, 2.0 * balls[:, 3])).all()
 
 
 def test_an_empty_or_broken_object_is_refused():

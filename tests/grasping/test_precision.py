@@ -7,6 +7,8 @@ import trimesh
 
 from medkit.geometry import random_rotation, rotation_about
 from medkit.grasping.closing.object_field import object_field
+from medkit.grasping.closing.pad_kernels import close_pads
+from medkit.grasping.closing.self_kernels import SELF_DEPTH, bodies_gap
 from medkit.grasping.planners import Quality
 from medkit.grasping.precision import PrecisionCloser, PrecisionTester
 from medkit.grasping.precision_grip import opposing_fingers, precision_grip
@@ -108,6 +110,36 @@ def test_a_hand_inside_the_object_is_a_start_collision():
     grasp, _ = tester.test(np.zeros(3), X, Z, 0.02)
     assert grasp.outcome == "start_collision"
     assert len(grasp.points) == 0
+
+
+def test_a_hand_that_overlaps_itself_does_not_start(bar_closer):
+    """Far from the object, thumb in index: refused; the same with the fingers apart: not."""
+    hand, arrays, path = bar_closer.hand, bar_closer.arrays, bar_closer.path
+    base = np.eye(4)
+    base[:3, 3] = 5.0
+
+    def starts(q):
+        return close_pads(
+            bar_closer.field, arrays, path, X, base.copy(), q.copy(), np.array(path.end),
+            np.zeros(len(path.end), dtype=np.bool_), np.zeros(len(hand.bodies)), bar_closer.work,
+        )  # fmt: skip
+
+    opposing = opposing_fingers(hand)
+    thumb, index = (finger.moved_bodies[-1][0] for finger in opposing[:2])
+
+    def gap(q):
+        at = hand.link_poses(q)[arrays.body_link]
+        return bodies_gap(arrays, thumb, at[thumb], index, at[index], 0.1, np.zeros((3, 4)))
+
+    used = [int(joint) for finger in opposing[:2] for joint in finger.joints]
+    rng = np.random.default_rng(0)
+    tried = np.repeat(bar_closer.grip.q[None], 300, axis=0)
+    tried[:, used] = rng.uniform(hand.limits[used, 0], hand.limits[used, 1], (300, len(used)))
+    gaps = [gap(q) for q in tried]
+    crossed = tried[int(np.argmin(gaps))]
+    assert min(gaps) < -4.0 * SELF_DEPTH
+    assert not starts(crossed)
+    assert starts(bar_closer.grip.q)
 
 
 def test_the_result_moves_with_the_object():

@@ -6,14 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from medkit.grasping.closing.body_kernels import (
-    clip_to_body,
-    collect_part,
-    near_part,
-    parted,
-    to_link,
-)
+from medkit.grasping.closing.body_kernels import clip_to_body, height_over, to_link
 from medkit.grasping.closing.kernel_options import entry, inner
+from medkit.grasping.closing.tree_kernels import collect_faces
 
 #: Columns of a contact row: point (3), inward normal (3), body, gap, face.
 COLUMNS = 9
@@ -32,17 +27,15 @@ def _gap_and_alignment(
     """Height [m] of a point of a link over its body, and how far both surfaces oppose (cosine)."""
     top, best = -1e9, 0
     for e in range(active):
-        f = work.active[e]
-        height = -hand.planes[f, 3]
-        for a in range(3):
-            height += hand.planes[f, a] * p[a]
+        f = work.clip.active[e]
+        height = height_over(hand.hulls.planes, f, p[0], p[1], p[2])
         if height > top:
             top, best = height, f
     cosine = 0.0
     for a in range(3):
         turned = 0.0
         for b in range(3):
-            turned += pose[a, b] * hand.planes[best, b]
+            turned += pose[a, b] * hand.hulls.planes[best, b]
         cosine -= turned * field.normals[face, a]
     return top, cosine
 
@@ -61,22 +54,23 @@ def _spots_of_face(
 ) -> int:
     """Append corners and middle of a face's part within `tolerance` [m] of a body to `spots`."""
     pose = work.poses[hand.body_link[body]]
-    to_link(pose, field.triangles[face], work.local)
-    corners = clip_to_body(hand, body, work.local, tolerance, work)
+    clip = work.clip
+    to_link(pose, field.triangles[face], clip.local)
+    corners = clip_to_body(hand.hulls, body, tolerance, clip)
     if corners == 0:
         return count
-    active = work.active_count[0]
-    middle, p = work.local[0], work.local[1]
+    active = clip.active_count[0]
+    middle, p = clip.local[0], clip.local[1]
     for a in range(3):
         middle[a] = 0.0
         for v in range(corners):
-            middle[a] += work.polygon[v, a] / corners
+            middle[a] += clip.polygon[v, a] / corners
     for v in range(corners + 1):
         if count >= len(spots) or active == 0:
             break
         length = 0.0
         for a in range(3):
-            p[a] = work.polygon[v, a] if v < corners else middle[a]
+            p[a] = clip.polygon[v, a] if v < corners else middle[a]
             length += (p[a] - middle[a]) ** 2
         inwards = min(0.05, NUDGE / max(np.sqrt(length), 1e-9))
         for a in range(3):
@@ -137,14 +131,10 @@ def hand_contacts(
     total = 0
     for body in range(hand.body_link.shape[0]):
         pose = work.poses[hand.body_link[body]]
-        if near_part(field, hand, body, pose, tolerance, 2.0 * tolerance, work) > tolerance:
-            continue
-        found = collect_part(field, body, pose, tolerance, work)
+        found = collect_faces(field.tree, hand.hulls, body, pose, tolerance, work)
         count = np.int64(0)  # a plain 0 would compile the callee twice
         for e in range(found):
             face = work.faces[e]
-            if parted(field, hand, body, face, pose, tolerance, work):
-                continue
             if (
                 field.normals[face, 0] != 0.0
                 or field.normals[face, 1] != 0.0

@@ -6,15 +6,18 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import ConvexHull
 from scipy.stats import qmc
 
 from medkit.geometry import Floats, unit
-from medkit.grasping.closing.body_kernels import bodies_gap
+from medkit.grasping.closing.hull_tables import HullTable, hull_table, least_width
+from medkit.grasping.closing.self_kernels import bodies_gap
 from medkit.robots.hand import Hand, LinkBody
 
 Ints = NDArray[np.int64]
 
+#: Longest sweep of a body [m], and its share of the body's least width, of which the end alone is
+#: tested against the object: so that nothing is jumped over.
+WINDOW, WIDTH_SHARE = 0.008, 0.6
 #: Spacing of the samples on a body's surface [m].
 SAMPLE_SPACING = 0.004
 #: Most samples in one group.
@@ -30,9 +33,9 @@ TREE = ("parent", "placement", "axis", "kind", "coordinate", "multiplier", "offs
 class ClosingHand(NamedTuple):
     """A hand prepared for closing (arrays only, so that kernels take it).
 
-    The first seven arrays are those of `KinematicTree`. Of body b: ``planes[plane_start[b]:...]``
-    are outward planes ``n . x <= d`` in its link's frame [m], largest face first; ``samples``
-    cover its surface to within ``cover[b]`` [m], in groups with a ball each. Of closing step k:
+    The first seven arrays are those of `KinematicTree`. Body b has its planes in ``hulls``, the
+    least ``width`` [m], the ``window`` that it is swept at once [m] and ``samples`` on its
+    surface, in groups with a ball each. Of closing step k:
     coordinate ``joint[k]`` moves with ``closing[k]``, and with it the links ``moved_link`` and
     the bodies ``moved_body``, whose points travel at most ``lever`` [m/rad or 1] per unit.
     """
@@ -45,14 +48,11 @@ class ClosingHand(NamedTuple):
     multiplier: Floats
     offset: Floats
     body_link: Ints
-    plane_start: Ints
-    planes: Floats
-    box_low: Floats
-    box_high: Floats
+    hulls: HullTable
     ball_center: Floats
     ball_radius: Floats
     width: Floats
-    cover: Floats
+    window: Floats
     group_start: Ints
     group_center: Floats
     group_radius: Floats
@@ -96,9 +96,10 @@ def closing_hand(
     >>> len(closing_hand(load_hand("armar3")).joint)
     10
     """
-    shapes = [_body_shape(body) for body in hand.bodies]
+    hulls = hull_table([body.vertices for body in hand.bodies])
+    width = np.array([_width(hulls, row, body) for row, body in enumerate(hand.bodies)])
     samples = [_surface_groups(body) for body in hand.bodies]
-    groups = [group for body_groups, _ in samples for group in body_groups]
+    groups = [group for body_groups in samples for group in body_groups]
     centers = np.array([0.5 * (g.min(axis=0) + g.max(axis=0)) for g in groups])
     radii = [
         float(np.linalg.norm(g - c, axis=1).max()) for g, c in zip(groups, centers, strict=True)
@@ -109,15 +110,12 @@ def closing_hand(
     built = ClosingHand(
         **tree,
         body_link=np.array([body.link for body in hand.bodies], dtype=np.int64),
-        plane_start=_starts([len(planes) for planes, _ in shapes]),
-        planes=np.vstack([planes for planes, _ in shapes]),
-        box_low=np.array([body.vertices.min(axis=0) for body in hand.bodies]),
-        box_high=np.array([body.vertices.max(axis=0) for body in hand.bodies]),
+        hulls=hulls,
         ball_center=np.array([_box_center(body) for body in hand.bodies]),
         ball_radius=np.array([_reach(body, _box_center(body)) for body in hand.bodies]),
-        width=np.array([width for _, width in shapes]),
-        cover=np.array([cover for _, cover in samples]),
-        group_start=_starts([len(body_groups) for body_groups, _ in samples]),
+        width=width,
+        window=np.minimum(WINDOW, WIDTH_SHARE * width),
+        group_start=_starts([len(body_groups) for body_groups in samples]),
         group_center=centers,
         group_radius=np.array(radii),
         sample_start=_starts([len(group) for group in groups]),
@@ -144,44 +142,30 @@ def _reach(body: LinkBody, point: Floats) -> float:
     return float(np.linalg.norm(body.vertices - point, axis=1).max())
 
 
-def _body_shape(body: LinkBody) -> tuple[Floats, float]:
-    """Distinct planes of a body, largest face first, and its least width [m]."""
-    hull = ConvexHull(body.vertices)
-    corners = body.vertices[hull.simplices]
-    areas = 0.5 * np.linalg.norm(
-        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
-    )
-    planes, member = np.unique(hull.equations.round(9), axis=0, return_inverse=True)
-    total = np.bincount(member.ravel(), weights=areas, minlength=len(planes))
-    planes = planes[np.argsort(-total, kind="stable")]
-    planes = np.column_stack([planes[:, :3], -planes[:, 3]])
-    spans = body.vertices @ planes[:, :3].T
-    return planes, float((spans.max(axis=0) - spans.min(axis=0)).min())
+def _width(hulls: HullTable, row: int, body: LinkBody) -> float:
+    planes = hulls.planes[hulls.plane_start[row] : hulls.plane_start[row + 1]]
+    return least_width(planes, body.vertices)
 
 
-def _surface_groups(body: LinkBody) -> tuple[list[Floats], float]:
-    """Samples of a body's surface in compact groups, and how far a point can be from one [m]."""
+def _surface_groups(body: LinkBody) -> list[Floats]:
+    """Samples of a body's surface in compact groups."""
     import trimesh
 
-    vertices, faces = trimesh.remesh.subdivide_to_size(
+    vertices, _ = trimesh.remesh.subdivide_to_size(
         body.vertices, body.faces, max_edge=0.5 * SAMPLE_SPACING, max_iter=20
     )
-    corners = vertices[faces]
-    between = np.linalg.norm(corners - corners.mean(axis=1, keepdims=True), axis=2).max()
-    samples, spread = _thinned(vertices, SAMPLE_SPACING)
-    return _halved(samples), float(between) + spread
+    return _halved(_thinned(vertices, SAMPLE_SPACING))
 
 
-def _thinned(points: Floats, spacing: float) -> tuple[Floats, float]:
-    """Keep in each cell of a lattice the point nearest to the others; and the longest way to it."""
+def _thinned(points: Floats, spacing: float) -> Floats:
+    """Keep in each cell of a lattice the point nearest to the others."""
     _, cell = np.unique(np.floor(points / spacing), axis=0, return_inverse=True)
     cell = cell.ravel()
     counts = np.bincount(cell)
     means = np.column_stack([np.bincount(cell, weights=column) / counts for column in points.T])
     off = np.linalg.norm(points - means[cell], axis=1)
     order = np.lexsort((off, cell))
-    kept = points[order[np.concatenate([[True], np.diff(cell[order]) > 0])]]
-    return kept, float(np.linalg.norm(points - kept[cell], axis=1).max())
+    return np.asarray(points[order[np.concatenate([[True], np.diff(cell[order]) > 0])]])
 
 
 def _halved(points: Floats) -> list[Floats]:

@@ -15,7 +15,8 @@ from scipy import ndimage
 
 from medkit.errors import InputError
 from medkit.geometry import Floats
-from medkit.grasping.closing.object_kernels import list_cell_faces, splat_distances
+from medkit.grasping.closing.face_tree import FaceTree, face_tree
+from medkit.grasping.closing.object_kernels import splat_distances
 
 #: Finest and coarsest spacing of the lattice [m], and the number of nodes aimed at.
 FINEST, COARSEST, NODES = 0.0025, 0.02, 1_500_000
@@ -34,8 +35,8 @@ class ObjectField(NamedTuple):
         Corners of the faces [m].
     normals : ndarray, shape (f, 3)
         Outward unit normals of the faces; zero where a face has no area worth the name.
-    centers, radii : ndarrays, shape (f, 3) and (f,)
-        A ball around each face [m].
+    tree : FaceTree
+        The faces, in pieces no longer than a few cells.
     origin : ndarray, shape (3,)
         Lowest corner of the lattice [m].
     spacing : float
@@ -44,20 +45,15 @@ class ObjectField(NamedTuple):
         At each node a distance [m] that is never above the true one to the surface.
     inside : ndarray, shape (nx, ny, nz), bool
         Whether the node lies inside, for nodes well away from the surface.
-    cell_start, cell_faces : ndarrays of int32
-        Faces that may cross cell c: ``cell_faces[cell_start[c]:cell_start[c + 1]]``.
     """
 
     triangles: Floats
     normals: Floats
-    centers: Floats
-    radii: Floats
+    tree: FaceTree
     origin: Floats
     spacing: float
     distances: NDArray[np.float32]
     inside: NDArray[np.bool_]
-    cell_start: NDArray[np.int32]
-    cell_faces: NDArray[np.int32]
 
 
 def object_field(triangles: Floats, *, spacing: float | None = None) -> ObjectField:
@@ -103,20 +99,14 @@ def object_field(triangles: Floats, *, spacing: float | None = None) -> ObjectFi
     # Pieces no longer than a few cells keep the boxes around tilted faces small.
     pieces, faces = split_long_edges(corners, 4.0 * step)
     distances, inside = _distances(pieces, low - margin, step, shape)
-    start, listed = _cell_lists(pieces, faces, low - margin, step, shape)
-    centers = corners.mean(axis=1)
-    radii = np.linalg.norm(corners - centers[:, None], axis=2).max(axis=1)
     return ObjectField(
         corners,
         _face_normals(corners),
-        centers,
-        radii,
+        face_tree(pieces, faces),
         low - margin,
         step,
         distances,
         inside,
-        start,
-        listed,
     )
 
 
@@ -168,21 +158,6 @@ def _distances(
     parts, _ = ndimage.label(distances > 0.5 * step)
     inside = (parts > 0) & (parts != parts[0, 0, 0])
     return distances, inside
-
-
-def _cell_lists(
-    pieces: Floats, faces: NDArray[np.int32], origin: Floats, step: float, shape: tuple[int, ...]
-) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """For each cell the faces that may cross it, as one list with starts."""
-    cells = (shape[0] - 1, shape[1] - 1, shape[2] - 1)
-    start = np.zeros(int(np.prod(cells)) + 1, dtype=np.int32)
-    nothing = np.zeros(0, dtype=np.int32)
-    list_cell_faces(pieces, faces, origin, step, cells, start, nothing, False)
-    start = np.cumsum(start, dtype=np.int32)
-    listed = np.zeros(int(start[-1]), dtype=np.int32)
-    place = start[:-1].copy()
-    list_cell_faces(pieces, faces, origin, step, cells, place, listed, True)
-    return start, listed
 
 
 def _face_normals(corners: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""Compiled pieces that know the object only: point to triangle, distance lattice, cell lists."""
+"""Compiled pieces that know the object only: point to triangle, distance lattice."""
 
 from __future__ import annotations
 
@@ -92,50 +92,3 @@ def splat_distances(
                     d = point_triangle_distance_squared(x, y, origin[2] + k * spacing, triangle)
                     if d < squared[i, j, k]:
                         squared[i, j, k] = d
-
-
-@njit(cache=True)
-def list_cell_faces(
-    triangles: np.ndarray,
-    faces: np.ndarray,
-    origin: np.ndarray,
-    spacing: float,
-    shape: tuple[int, int, int],
-    start: np.ndarray,
-    listed: np.ndarray,
-    fill: bool,
-) -> None:
-    """Count (into start[c + 1]) or fill the faces that may cross each cell of the lattice.
-
-    `triangles` are pieces of faces, the pieces of one face in sequence; a face is listed once a
-    cell. With `fill`, start[c] is the place of the next entry of cell c and moves on.
-    """
-    half = 0.5 * spacing
-    reach = 3.0 * half * half * (1.0 + 1e-9)
-    last = np.zeros(shape[0] * shape[1] * shape[2], np.int32)
-    low = np.zeros(3, np.int64)
-    high = np.zeros(3, np.int64)
-    for t in range(len(triangles)):
-        triangle = triangles[t]
-        for a in range(3):
-            least = min(triangle[0, a], triangle[1, a], triangle[2, a]) - origin[a]
-            most = max(triangle[0, a], triangle[1, a], triangle[2, a]) - origin[a]
-            low[a] = max(int(np.floor(least / spacing)), 0)
-            high[a] = min(int(np.floor(most / spacing)) + 1, shape[a])
-        for i in range(low[0], high[0]):
-            x = origin[0] + i * spacing + half
-            for j in range(low[1], high[1]):
-                y = origin[1] + j * spacing + half
-                for k in range(low[2], high[2]):
-                    z = origin[2] + k * spacing + half
-                    cell = (i * shape[1] + j) * shape[2] + k
-                    if last[cell] == faces[t] + 1:
-                        continue
-                    if point_triangle_distance_squared(x, y, z, triangle) > reach:
-                        continue
-                    last[cell] = faces[t] + 1
-                    if fill:
-                        listed[start[cell]] = faces[t]
-                        start[cell] += 1
-                    else:
-                        start[cell + 1] += 1

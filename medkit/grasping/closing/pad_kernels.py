@@ -9,23 +9,15 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
-from medkit.grasping.closing.body_kernels import (
-    body_clearance,
-    body_hits_object,
-    deepest_inside,
-    inner,
-    moved,
-)
-from medkit.grasping.closing.finger_kernels import SELF_DEPTH, place_links, self_clearance
+from medkit.grasping.closing.body_kernels import moved, to_link, touches
+from medkit.grasping.closing.chain_kernels import place_links
+from medkit.grasping.closing.finger_kernels import FINEST, HORIZON
+from medkit.grasping.closing.inside_kernels import is_inside
+from medkit.grasping.closing.kernel_options import entry, inner
+from medkit.grasping.closing.self_kernels import SELF_DEPTH, self_clearance
+from medkit.grasping.closing.tree_kernels import meet
 
-#: A step may carry a body at most this share of its least width, so that nothing is jumped over.
-SHARE = 0.6
-#: Halvings of the step in which a touch happened.
-HALVINGS = 8
-#: Clearance beyond this need not be known [m].
-ENOUGH = 0.012
 FREE, HIT, OWN = 0, 1, 2
 
 
@@ -118,33 +110,6 @@ def _move(
 
 
 @inner
-def _meets(field: Any, hand: Any, body: int, slack: np.ndarray, work: Any) -> bool:
-    """Whether a body whose known clearance is used up hits the object; renews its clearance."""
-    pose = work.poses[hand.body_link[body]]
-    if slack[body] >= 0.0:
-        slack[body] = body_clearance(field, hand, body, pose, ENOUGH)
-        if slack[body] > 0.0:
-            return False
-    return body_hits_object(field, hand, body, pose, work)
-
-
-@inner
-def _is_inside(field: Any, hand: Any, body: int, clearance: float, work: Any) -> bool:
-    """Whether a body that meets no face lies within the object."""
-    pose = work.poses[hand.body_link[body]]
-    if clearance <= 0.0:
-        return deepest_inside(field, hand, body, pose) > 0.0
-    # Well away from the surface all of the body is on one side: one sample tells.
-    x, y, z = moved(pose, hand.samples, hand.sample_start[hand.group_start[body]])
-    i = round((x - field.origin[0]) / field.spacing)
-    j = round((y - field.origin[1]) / field.spacing)
-    k = round((z - field.origin[2]) / field.spacing)
-    shape = field.distances.shape
-    within = 0 <= i < shape[0] and 0 <= j < shape[1] and 0 <= k < shape[2]
-    return within and field.inside[i, j, k]
-
-
-@inner
 def _travel(grip: Any, only: int, body: int) -> float:
     """Most that a body travels per amount of the fingers that close."""
     if only >= 0:
@@ -157,14 +122,13 @@ def _travel(grip: Any, only: int, body: int) -> float:
 
 @inner
 def _stride(hand: Any, grip: Any, only: int, slack: np.ndarray) -> float:
-    """Amount that surely hits nothing, or at least the small step that jumps over nothing."""
-    sure, small = 1e9, 1e9
+    """Amount after which no body can have jumped over anything."""
+    sure = 1e9
     for body in range(hand.body_link.shape[0]):
         travel = _travel(grip, only, body)
         if travel > 0.0:
-            small = min(small, SHARE * hand.width[body] / travel)
-            sure = min(sure, max(slack[body], 0.0) / travel)
-    return max(sure, small)
+            sure = min(sure, max(slack[body], hand.window[body]) / travel)
+    return sure
 
 
 @inner
@@ -179,43 +143,78 @@ def _own(hand: Any, grip: Any, only: int, work: Any) -> bool:
 
 
 @inner
-def _test(
+def _free_change(
     field: Any,
     hand: Any,
     grip: Any,
     only: int,
+    amounts: np.ndarray,
     change: float,
-    asked: int,
+    follow: np.ndarray,
+    here: np.ndarray,
+    base: np.ndarray,
+    q: np.ndarray,
     slack: np.ndarray,
     work: Any,
-) -> int:
-    """What the moved hand meets: `FREE`, `HIT` the object, or its `OWN` bodies.
-
-    Asked with `FREE`, every body that travelled is tried and those that hit are marked in
-    `work.near`; asked with what was met before, only that is tried again.
-    """
-    if asked == OWN:
-        return OWN if _own(hand, grip, only, work) else FREE
-    state = FREE
+) -> float:
+    """How much of a change of the amounts is free of the object; see `finger_kernels.free_end`."""
+    finest = change * FINEST
+    _move(hand, grip, only, amounts, change, follow, here, base, q, work)
+    body: Any = np.int64(0)
+    while body < hand.body_link.shape[0]:
+        travel = _travel(grip, only, body) * change
+        left = slack[body] - travel
+        if travel > 0.0 and left < hand.window[body]:
+            pose = work.poses[hand.body_link[body]]
+            left = meet(field.tree, hand.hulls, body, pose, hand.window[body], HORIZON, work)
+            if work.hit[0] >= 0 and change > 0.0:
+                low, high, piece = 0.0, change, work.hit[0]
+                while high - low > finest:
+                    middle = 0.5 * (low + high)
+                    _move(hand, grip, only, amounts, middle, follow, here, base, q, work)
+                    pose = work.poses[hand.body_link[body]]
+                    to_link(pose, field.tree.pieces[piece], work.clip.local)
+                    if touches(hand.hulls, body, work.clip):
+                        high = middle
+                    else:
+                        low = middle
+                change = low
+                _move(hand, grip, only, amounts, change, follow, here, base, q, work)
+                body = np.int64(0)
+                continue
+        work.fresh[body] = max(left, 0.0)
+        body += 1
     for body in range(hand.body_link.shape[0]):
-        if asked == HIT:
-            trial = work.near[body] and state == FREE
-            slack[body] = -1.0
+        slack[body] = work.fresh[body]
+    return change
+
+
+@inner
+def _change_before_own(
+    hand: Any,
+    grip: Any,
+    only: int,
+    amounts: np.ndarray,
+    change: float,
+    follow: np.ndarray,
+    here: np.ndarray,
+    base: np.ndarray,
+    q: np.ndarray,
+    work: Any,
+) -> float:
+    """Halve a change of the amounts until the hand's own bodies no longer overlap."""
+    low, high = 0.0, change
+    while high - low > change * FINEST:
+        middle = 0.5 * (low + high)
+        _move(hand, grip, only, amounts, middle, follow, here, base, q, work)
+        if _own(hand, grip, only, work):
+            high = middle
         else:
-            travel = _travel(grip, only, body) * change
-            slack[body] -= travel
-            trial = travel > 0.0 and slack[body] <= 0.0
-            slack[body] = max(slack[body], 0.0)
-            work.near[body] = False
-        if trial and _meets(field, hand, body, slack, work):
-            state = HIT
-            work.near[body] = True
-    if state == FREE and asked == FREE and _own(hand, grip, only, work):
-        return OWN
-    return state
+            low = middle
+    return low
 
 
-@njit(cache=True)
+@inner
 def close_until_touch(
     field: Any,
     hand: Any,
@@ -231,9 +230,9 @@ def close_until_touch(
     """Close one finger, or with `only` = -1 all of them with the hand following, until a touch.
 
     `base`, `q`, `amounts` and `work.poses` end at the last free state that was found, within
-    2^-8 of a step of the touch. Returns `HIT`, `OWN`, or `FREE` when the paths end untouched.
+    2^-10 of a step of the touch. Returns `HIT`, `OWN`, or `FREE` when the paths end untouched.
     """
-    here = base.copy()
+    here = work.here
     while True:
         left = 0.0
         for f in range(grip.end.shape[0]):
@@ -241,33 +240,32 @@ def close_until_touch(
                 left = max(left, grip.end[f] - amounts[f])
         if left <= 1e-9:
             return FREE
-        change = min(_stride(hand, grip, only, slack), left)
-        low, high = 0.0, change
-        here[:] = base
-        met = FREE
-        for halving in range(HALVINGS + 1):
-            middle = change if halving == 0 else 0.5 * (low + high)
-            _move(hand, grip, only, amounts, middle, follow, here, base, q, work)
-            state = _test(field, hand, grip, only, middle, met, slack, work)
-            if halving == 0:
-                met = state
-            if state == FREE:
-                low = middle
-            else:
-                high = middle
-            if met == FREE:
-                break
-        if met != FREE:
-            _move(hand, grip, only, amounts, low, follow, here, base, q, work)
-            slack[:] = 0.0  # known only for the state beyond the touch
+        for row in range(3):
+            for column in range(4):
+                here[row, column] = base[row, column]
+        wanted = min(_stride(hand, grip, only, slack), left)
+        change = _free_change(
+            field, hand, grip, only, amounts, wanted, follow, here, base, q, slack, work
+        )
+        met = FREE if change == wanted else HIT
+        if _own(hand, grip, only, work):
+            met = OWN
+            for body in range(hand.body_link.shape[0]):
+                slack[body] = 0.0  # known only for the state beyond the touch
+            change = _change_before_own(
+                hand, grip, only, amounts, change, follow, here, base, q, work
+            )
+            change = _free_change(
+                field, hand, grip, only, amounts, change, follow, here, base, q, slack, work
+            )
         for f in range(grip.end.shape[0]):
             if only < 0 or f == only:
-                amounts[f] = min(amounts[f] + low, grip.end[f])
+                amounts[f] = min(amounts[f] + change, grip.end[f])
         if met != FREE:
             return met
 
 
-@njit(cache=True)
+@entry
 def close_pads(
     field: Any,
     hand: Any,
@@ -280,20 +278,22 @@ def close_pads(
     slack: np.ndarray,
     work: Any,
 ) -> bool:
-    """Precision closing from a start pose (P13 algorithms 6 and 7); False if that hits the object.
+    """Precision closing from a start pose (P13 algorithms 6 and 7); False if that hits anything.
 
     `base`, `q`, `amounts` (f,) are changed in place; `touched` (f,) says which fingers ended at
     the object.
     """
-    touched[:] = False
-    slack[:] = 0.0
     place_links(hand, q, base, work)
+    for f in range(grip.end.shape[0]):
+        touched[f] = False
     for body in range(hand.body_link.shape[0]):
-        if _meets(field, hand, body, slack, work):
+        pose = work.poses[hand.body_link[body]]
+        gap = meet(field.tree, hand.hulls, body, pose, hand.window[body], HORIZON, work)
+        if work.hit[0] >= 0 or is_inside(field, hand, body, pose):
             return False
-        if _is_inside(field, hand, body, slack[body], work):
-            return False
-        slack[body] = max(slack[body], 0.0)
+        slack[body] = max(gap, 0.0)
+    if _own(hand, grip, np.int64(-1), work):
+        return False
     for turn in range(grip.end.shape[0] + 1):
         only = turn - 1
         met = close_until_touch(field, hand, grip, only, follow, base, q, amounts, slack, work)

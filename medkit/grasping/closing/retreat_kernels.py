@@ -1,0 +1,161 @@
+"""Compiled retreat: draw the open hand back along its approach until it is free of the object.
+
+`field` is an `ObjectField`, `hand` a `ClosingHand`, `work` a `Workspace`; `base` is the pose
+(4, 4) of the hand base in the object's frame, `q` the joint coordinates.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from medkit.grasping.closing.body_kernels import clip_to_body, height_over, hint_at, to_link
+from medkit.grasping.closing.chain_kernels import place_links
+from medkit.grasping.closing.inside_kernels import is_inside, way_out_of_inside
+from medkit.grasping.closing.kernel_options import entry, inner
+from medkit.grasping.closing.tree_kernels import ball_in_link, meet
+
+#: A retreat ends this far [m] from touching, so that the pose itself is free.
+CLEAR = 1e-6
+#: Gaps [m] beyond this need not be known: the hand draws back no further at once.
+FAR = 0.05
+
+
+@entry
+def retreat(
+    field: Any,
+    hand: Any,
+    q: np.ndarray,
+    base: np.ndarray,
+    approach: np.ndarray,
+    limit: float,
+    work: Any,
+) -> float:
+    """Draw the hand back along `approach` to the first pose at which no body hits the object.
+
+    `base` is moved. A triangle that lies in a body has to leave it through the planes that it
+    moves towards, so each hit tells how far to draw back at the least, and no free pose is
+    passed over. Returns the way [m], -1 when it would exceed `limit`.
+    """
+    x, y, z = base[0, 3], base[1, 3], base[2, 3]
+    place_links(hand, q, base, work)
+    bodies = hand.body_link.shape[0]
+    way = 0.0
+    for body in range(bodies):
+        pose = work.poses[hand.body_link[body]]
+        way = way_out_of_inside(field, hand, body, pose, approach, way)
+        _set_slopes(hand, body, pose, approach, work)
+        work.slack[body] = 0.0
+    # a plain 0 is a type of its own, for which all kernels below would be compiled once more
+    clean, turn, need = 0, np.int64(0), way
+    while clean < bodies:
+        if need > 0.0:
+            base[0, 3] = x - way * approach[0]
+            base[1, 3] = y - way * approach[1]
+            base[2, 3] = z - way * approach[2]
+            place_links(hand, q, base, work)
+            for body in range(bodies):
+                work.slack[body] -= need
+            clean = 0
+        need = _way_out(field, hand, turn, approach, work)
+        if need > 0.0:
+            way += need
+            if way > limit:
+                return -1.0
+        else:
+            clean += 1
+            turn = (turn + 1) % bodies
+    return way
+
+
+@inner
+def _set_slopes(hand: Any, body: int, pose: np.ndarray, approach: np.ndarray, work: Any) -> None:
+    """How fast a body's planes leave the object behind as the hand draws back."""
+    planes = hand.hulls.planes
+    for f in range(hand.hulls.plane_start[body], hand.hulls.plane_start[body + 1]):
+        work.slope[f] = 0.0
+        for a in range(3):
+            along = pose[0, a] * approach[0] + pose[1, a] * approach[1] + pose[2, a] * approach[2]
+            work.slope[f] += planes[f, a] * along
+
+
+@inner
+def _way_out(field: Any, hand: Any, body: int, approach: np.ndarray, work: Any) -> float:
+    """Least further retreat [m] that a body needs, as far as its present hits tell; 0 if free."""
+    if work.slack[body] > 0.0:
+        return 0.0
+    pose = work.poses[hand.body_link[body]]
+    work.slack[body] = max(0.0, meet(field.tree, hand.hulls, body, pose, 0.0, FAR, work))
+    if work.hit[0] < 0:
+        if is_inside(field, hand, body, pose):
+            return way_out_of_inside(field, hand, body, pose, approach, 0.0) + CLEAR
+        return 0.0
+    return _way_of_hits(field.tree, hand.hulls, body, pose, work) + CLEAR
+
+
+@inner
+def _way_of_hits(tree: Any, hulls: Any, body: int, pose: np.ndarray, work: Any) -> float:
+    """Retreat [m] after which no point of the object that is now in a body is in it any more."""
+    stack, clip = work.stack, work.clip
+    leaves = tree.starts.shape[0] - 1
+    need, exit_plane = 0.0, np.int64(-1)
+    stack[0] = 0
+    top = 1
+    while top > 0:
+        top -= 1
+        node = stack[top]
+        if _ball_is_settled(hulls, body, pose, tree.balls, node, need, exit_plane, work):
+            continue
+        if node < leaves - 1:
+            stack[top], stack[top + 1] = 2 * node + 2, 2 * node + 1
+            top += 2
+            continue
+        row = node - leaves + 1
+        for piece in range(tree.starts[row], tree.starts[row + 1]):
+            if _ball_is_settled(hulls, body, pose, tree.piece_balls, piece, need, exit_plane, work):
+                continue
+            to_link(pose, tree.pieces[piece], clip.local)
+            corners = clip_to_body(hulls, body, 0.0, clip)
+            for v in range(corners):
+                way, plane = _way_of_corner(hulls, body, clip.polygon, v, work)
+                if way > need:
+                    need, exit_plane = way, plane
+    return need
+
+
+@inner
+def _ball_is_settled(
+    hulls: Any,
+    body: int,
+    pose: np.ndarray,
+    balls: np.ndarray,
+    row: int,
+    need: float,
+    exit_plane: int,
+    work: Any,
+) -> bool:
+    """Whether a ball is apart from a body, or leaves it before `need` through the plane known."""
+    x, y, z = ball_in_link(pose, balls, row)
+    f = hint_at(hulls, body, x, y, z)
+    if height_over(hulls.planes, max(f, -1 - f), x, y, z) > balls[row, 3]:
+        return True
+    if exit_plane < 0:
+        return False
+    height = height_over(hulls.planes, exit_plane, x, y, z)
+    return balls[row, 3] - height <= need * work.slope[exit_plane]
+
+
+@inner
+def _way_of_corner(
+    hulls: Any, body: int, polygon: np.ndarray, v: int, work: Any
+) -> tuple[float, int]:
+    """Retreat [m] after which a point in a body leaves it, and the plane through which."""
+    way = 1e9
+    plane: Any = np.int64(-1)
+    for f in range(hulls.plane_start[body], hulls.plane_start[body + 1]):
+        if work.slope[f] > 1e-9:
+            height = height_over(hulls.planes, f, polygon[v, 0], polygon[v, 1], polygon[v, 2])
+            if -height < way * work.slope[f]:
+                way, plane = max(-height, 0.0) / work.slope[f], f
+    return way, plane
