@@ -11,7 +11,7 @@ function refresh() {
   });
   chips.forEach((chip) => chip.setAttribute("aria-pressed", chosen[chip.dataset.kind].has(chip.dataset.value)));
   const shown = rows.filter((row) => !row.hidden).length;
-  count.textContent = shown === rows.length ? `${rows.length} rows; choose above` : `${shown} of ${rows.length} rows`;
+  count.textContent = shown === rows.length ? `${rows.length} rows; click a count to filter` : `${shown} of ${rows.length} rows`;
 }
 function toggle(chip) {
   const set = chosen[chip.dataset.kind];
