@@ -6,7 +6,9 @@ Needs the extra ``cluster`` (dask.distributed) for anything but the serial run.
 from __future__ import annotations
 
 import hashlib
+import inspect
 import os
+import uuid
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import contextmanager
 from pathlib import Path
@@ -66,7 +68,8 @@ def plan_many(
     ------
     InputError
         If the folder is missing, a name cannot be a file name, or dask.distributed is not
-        installed but asked for.
+        installed but asked for; and at the end, with every other object written, if some objects
+        cannot be planned.
     """
     target = Path(folder)
     if not target.is_dir():
@@ -78,20 +81,37 @@ def plan_many(
         for name, mesh in pairs.items()
         if not _is_finished(files[name], mesh, hand, seed, parameters)
     }
+    refused: dict[str, InputError] = {}
     for name, found in _results(open_, hand, scheduler, workers, seed, parameters):
+        if isinstance(found, InputError):
+            refused[name] = found
+            continue
         write_grasps(files[name], found)
         if done is not None:
             done(name, found)
+    if refused:
+        first = next(iter(refused))
+        raise InputError(
+            f"Expected {len(pairs)} objects that can be planned, but {len(refused)} cannot, among"
+            f" them {first!r} ({refused[first]}); the others are written, repair or drop these."
+        )
     return files
 
 
 def plan_one(
     name: str, vertices: np.ndarray, faces: np.ndarray, hand: Hand, seed: int, parameters: dict
-) -> GraspSet:
-    """Plan one object of a batch from its arrays (n, 3) [m] and (f, 3); what a worker runs."""
+) -> GraspSet | InputError:
+    """Plan one object of a batch from its arrays (n, 3) [m] and (f, 3); what a worker runs.
+
+    An object that cannot be used comes back as the `InputError` that says why, so that it does not
+    end the others.
+    """
     mesh = trimesh.Trimesh(vertices, faces, process=False)
     rng = np.random.default_rng([seed, int(hashlib.sha256(name.encode()).hexdigest()[:8], 16)])
-    found = plan_grasps(mesh, hand, rng=rng, **parameters)
+    try:
+        found = plan_grasps(mesh, hand, rng=rng, **parameters)
+    except InputError as error:
+        return error
     return with_origin(found, seed=seed, path=name)
 
 
@@ -102,7 +122,7 @@ def _results(
     workers: int,
     seed: int,
     parameters: dict,
-) -> Iterable[tuple[str, GraspSet]]:
+) -> Iterable[tuple[str, GraspSet | InputError]]:
     tasks = {
         name: (name, np.asarray(mesh.vertices), np.asarray(mesh.faces), hand, seed, parameters)
         for name, mesh in objects.items()
@@ -116,8 +136,11 @@ def _results(
     with _client(scheduler, workers) as client:
         from distributed import as_completed
 
+        # a key of its own: a shared scheduler may know the same name with other parameters
         futures = {
-            client.submit(plan_one, *task, key=f"medkit-{name}-{seed}", pure=False): name
+            client.submit(
+                plan_one, *task, key=f"medkit-{name}-{uuid.uuid4().hex}", pure=False
+            ): name
             for name, task in tasks.items()
         }
         for future in as_completed(futures):
@@ -157,13 +180,9 @@ def _is_finished(
         found = read_grasps(file)
     except InputError:
         return False  # not ours, or of an older schema: planned anew
-    same = all(
-        found.parameters.get(key) == value
-        for key, value in parameters.items()
-        if key in found.parameters
-    )
-    for key in ("planner", "grasp"):
-        same = same and parameters.get(key, getattr(found, key)) == getattr(found, key)
+    asked = {**_defaults(), **parameters}
+    stored = {**found.parameters, "planner": found.planner, "grasp": found.grasp}
+    same = all(asked[key] == value for key, value in stored.items() if key in asked)
     record = object_record(mesh, np.zeros(3))
     return (
         same
@@ -171,6 +190,12 @@ def _is_finished(
         and found.hand == hand.name
         and (found.object.sha256 == record.sha256)
     )
+
+
+def _defaults() -> dict[str, Any]:
+    """What `plan_grasps` takes for an argument that is not given."""
+    known = inspect.signature(plan_grasps).parameters.values()
+    return {one.name: one.default for one in known if one.default is not inspect.Parameter.empty}
 
 
 def _file_name(name: str) -> str:

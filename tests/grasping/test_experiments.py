@@ -1,12 +1,15 @@
 """Laws of the experiments: counts add up, intervals hold, a finished object is not repeated."""
 
+import dataclasses
+from dataclasses import astuple
+
 import numpy as np
 import pandas as pd
 import pytest
 import trimesh
 
 from medkit.errors import InputError
-from medkit.grasping import experiments
+from medkit.grasping import experiments, study
 from medkit.grasping.experiments import (
     EXPERIMENTS,
     ObjectBench,
@@ -19,6 +22,8 @@ from medkit.grasping.experiments import (
 )
 from medkit.grasping.grasp_set import OUTCOMES
 from medkit.grasping.planners import plan_grasps
+from medkit.grasping.study import load_study
+from medkit.grasping.yields import COLUMNS, ratio_of_means
 from medkit.robots import load_hand
 
 HAND = load_hand("wsg50")
@@ -64,6 +69,52 @@ def test_the_mean_over_objects_is_within_its_bootstrap_interval(results):
     means = mean_yields(twice, rng=np.random.default_rng(0), resamples=200)
     assert (means.objects == 2).all()
     assert ((means.low_pct <= means.yield_pct) & (means.yield_pct <= means.high_pct)).all()
+
+
+def test_the_ratio_of_a_setting_to_one_with_half_its_grasps_is_two():
+    frame = pd.DataFrame(
+        [
+            {"object": name, "planner": planner, "grasp": "power", "search_radius": 0.03,
+             "min_radius_ratio": 0.5, "tested": 20, "force_closure": held}
+            for planner, counts in (("medial", (8, 12, 18)), ("normals", (4, 6, 9)))
+            for name, held in zip("abc", counts, strict=True)
+        ]
+    )  # fmt: skip
+    parts = [frame[frame.planner == planner] for planner in ("medial", "normals")]
+    ratio, low, high = ratio_of_means(*parts, rng=np.random.default_rng(0), resamples=100)
+    assert (ratio, low, high) == pytest.approx((2.0, 2.0, 2.0))
+
+
+@pytest.mark.parametrize("experiment", [1, 2, 3])
+def test_a_stored_study_is_of_the_experiment_s_objects_and_settings(experiment):
+    stored, wanted = load_study(experiment), EXPERIMENTS[experiment]
+    assert (stored[list(OUTCOMES)].sum(axis=1) == stored.tested).all()
+    assert stored.tested.max() >= 30
+    names = [name for name, _ in wanted.objects]
+    assert list(stored.object) == [name for name in names for _ in wanted.settings]
+    settings = list(stored[COLUMNS].itertuples(index=False, name=None))
+    assert settings == [astuple(setting) for setting in wanted.settings] * len(names)
+
+
+def test_a_study_of_some_objects_is_made_by_one_command(tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv("MEDKIT_CACHE", str(tmp_path / "cache"))
+    monkeypatch.setattr(study, "HAND", "wsg50")
+    few = dataclasses.replace(EXPERIMENTS[3], objects=(("fish", 1.0),), settings=SETTINGS[1:2])
+    monkeypatch.setitem(EXPERIMENTS, 3, few)
+    assert study.main(["3", "--candidates", "2", "--out", str(tmp_path)]) == 0
+    assert capsys.readouterr().err == "fish\n"
+    stored = pd.read_csv(tmp_path / "experiment_3.csv")
+    assert list(stored.columns) == list(study.STORED)
+    assert stored.tested.tolist() == [2]
+
+
+def test_a_study_of_something_else_is_refused(capsys):
+    with pytest.raises(InputError, match="Expected experiment 1, 2, 3"):
+        load_study(4)
+    with pytest.raises(InputError, match="Expected objects of experiment 3"):
+        study.study(3, objects=["mug"])
+    assert study.main(["7"]) == 2
+    assert "Expected experiment" in capsys.readouterr().err
 
 
 def test_a_finished_object_is_taken_from_the_cache(tmp_path, monkeypatch):
