@@ -112,6 +112,8 @@ def plan_one(
         found = plan_grasps(mesh, hand, rng=rng, **parameters)
     except InputError as error:
         return error
+    except ValueError as error:  # a mesh too broken for the checks: told at the end, with the rest
+        return InputError(f"{type(error).__name__}: {error}")
     return with_origin(found, seed=seed, path=name)
 
 
