@@ -166,7 +166,7 @@ def candidates_from_axis(
     part = axis.select(kept)
     symmetry = local_symmetry(MedialSphereGrid.from_axis(part), search_radius)
     fate[kept] = _fates(part, symmetry, largest, hand_radii)
-    solids = _special_solids(part, fate, kept, search_radius)
+    solids = _special_solids(axis, part, fate, kept, search_radius)
     parts = [
         _around_axes(
             part, symmetry, kept, np.flatnonzero(fate[kept] == SphereFate.AXIS), axis_steps
@@ -254,7 +254,11 @@ def _outer_touch(part: MedialAxis) -> Floats:
 
 
 def _special_solids(
-    part: MedialAxis, fate: NDArray[np.int8], kept: Ints, search_radius: float
+    axis: MedialAxis,
+    part: MedialAxis,
+    fate: NDArray[np.int8],
+    kept: Ints,
+    search_radius: float,
 ) -> list[Rows]:
     """One sphere for each heap of coinciding ones, as a ball or by its opposing touch points."""
     parts: list[Rows] = []
@@ -263,12 +267,15 @@ def _special_solids(
     outer = _outer_touch(part)
     while len(left):
         rows = np.array([row_of[int(sphere)] for sphere in left])
-        first = rows[np.lexsort((rows, -part.object_angles[rows].round(6)))[0]]
+        # the widest pair of touch points, and among equals the inscribed sphere
+        wide = (-part.radii[rows], -part.object_angles[rows].round(6))
+        first = rows[np.lexsort(wide)[0]]
         away = np.linalg.norm(part.centers[rows] - part.centers[first], axis=1)
         heap = rows[away <= search_radius]
         fate[kept[heap]] = SphereFate.REPRESENTED
         touch = part.touch_points[heap].reshape(-1, 3)
-        chords = opposing_chords(touch - part.centers[first], part.radii[first])
+        all_touch = np.concatenate([touch, _touches_about(axis, part, first)])
+        chords = opposing_chords(all_touch - part.centers[first], part.radii[first])
         fate[kept[first]] = SphereFate.DOMINANT_SPHERE if len(chords) else SphereFate.BALL
         other = touch[
             np.linalg.norm(np.cross(touch - part.centers[first], outer[first]), axis=1).argmax()
@@ -277,6 +284,17 @@ def _special_solids(
         parts.append((np.full(len(approach), kept[first]), approach, closing))
         left = left[away > search_radius]
     return parts
+
+
+def _touches_about(axis: MedialAxis, part: MedialAxis, row: int) -> Floats:
+    """Touch points (n, 3) of all spheres that nearly coincide with one of `part`.
+
+    A sphere knows the two touch points that are widest apart and no others. The further faces
+    of a cube are touched by spheres about its middle whose own two points lie on faces that
+    meet: too narrow to bear candidates, but they touch the solid as well.
+    """
+    away = np.linalg.norm(axis.centers - part.centers[row], axis=1)
+    return axis.touch_points[away <= COMPACT * part.radii[row]].reshape(-1, 3)
 
 
 def _joined(parts: list[Rows], axis: MedialAxis, fate: NDArray[np.int8]) -> CandidateGrasps:

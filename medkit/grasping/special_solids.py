@@ -32,7 +32,8 @@ def opposing_chords(touch: Floats, radius: float) -> Floats:
     Returns
     -------
     ndarray, shape (c, 3)
-        Unit chord directions, no two the same; none for a ball, which touches everywhere.
+        Unit chord directions, no two the same, that of the nearest touch first; none for a ball,
+        which touches everywhere.
 
     Examples
     --------
@@ -42,7 +43,9 @@ def opposing_chords(touch: Floats, radius: float) -> Floats:
     """
     length = np.linalg.norm(touch, axis=1)
     near = np.abs(length - radius) < 0.1 * radius
-    directions = touch[near] / length[near, None]
+    # the foot of a face is the nearest of its points
+    order = np.flatnonzero(near)[np.argsort(length[near], kind="stable")]
+    directions = touch[order] / length[order, None]
     opposed = (directions @ directions.T).min(axis=1, initial=1.0) <= -np.cos(OPPOSING)
     chords: list[Floats] = []
     for direction in directions[opposed]:
@@ -50,7 +53,17 @@ def opposing_chords(touch: Floats, radius: float) -> Floats:
             chords.append(direction)
         if len(chords) > MOST_CHORDS:
             return np.zeros((0, 3))
-    return np.array(chords).reshape(-1, 3)
+    return np.array([_middle(directions, chord) for chord in chords]).reshape(-1, 3)
+
+
+def _middle(directions: Floats, chord: Floats) -> Floats:
+    """Mean (3,) of the directions (n, 3) that are one chord, whichever end they point to.
+
+    Samples lie about the foot of a face, seldom on it; their mean goes square across the face.
+    """
+    along = directions @ chord
+    same = np.abs(along) >= np.cos(SAME_CHORD)
+    return unit((np.sign(along[same])[:, None] * directions[same]).mean(axis=0))
 
 
 def even_directions(count: int) -> Floats:

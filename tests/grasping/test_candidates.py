@@ -100,6 +100,21 @@ def test_chords_of_a_cube_and_directions_across_them():
     assert np.abs(np.abs(across @ chords.T).max(axis=1) - 1.0).max() < 1e-9
 
 
+@pytest.mark.parametrize("side", [0.02, 0.06, 0.08, 0.15])
+@pytest.mark.parametrize("turn", [None, 1, 2])
+def test_a_cube_is_grasped_across_all_three_chords(side, turn):
+    mesh = trimesh.creation.box([side] * 3)
+    rotation = np.eye(3) if turn is None else random_rotation(np.random.default_rng(turn))
+    mesh.vertices = mesh.vertices @ rotation.T
+    found = candidates_from_axis(medial_axis(mesh), search_radius=0.03)
+    assert len(found) == 3 * 4 * 2
+    assert set(found.kind) == {SphereFate.DOMINANT_SPHERE}
+    across = np.cross(found.approach, found.closing_axis) @ rotation
+    # square across the faces, up to the distance of the samples, as often across each pair
+    assert np.abs(across).max(axis=1).min() > np.cos(np.radians(3.0))
+    assert np.bincount(np.abs(across).argmax(axis=1)).tolist() == [8, 8, 8]
+
+
 def test_a_ball_is_approached_from_all_around_in_several_turns():
     approach, closing = ball_directions(np.zeros((0, 3)))
     directions = approach[::BALL_ROLLS]
