@@ -33,21 +33,21 @@ def depth_at(field: Any, x: float, y: float, z: float) -> float:
     i, j, k, within = node_at(field, x, y, z)
     if not within or not field.inside[i, j, k]:
         return 0.0
-    # Too near the surface to know the depth: a small certain one instead.
-    return max(field.distances[i, j, k] - SLACK * field.spacing, 0.2 * field.spacing)
+    return max(field.distances[i, j, k] - SLACK * field.spacing, 0.0)
 
 
 @inner
 def way_out_of_inside(
     field: Any, hand: Any, body: int, pose: np.ndarray, approach: np.ndarray, way: float
 ) -> float:
-    """Retreat [m] of at least `way` after which no group of a body is well inside the object.
+    """Retreat [m] of at least `way` after which no sample of a body is well inside the object.
 
-    A group's middle is a point of the body, and a point inside stays inside until it leaves, so
-    no free pose is passed over.
+    A sample inside stays inside until it leaves, so no free pose is passed over.
     """
-    for g in range(hand.group_start[body], hand.group_start[body + 1]):
-        x, y, z = moved(pose, hand.group_center, g)
+    for s in range(
+        hand.sample_start[hand.group_start[body]], hand.sample_start[hand.group_start[body + 1]]
+    ):
+        x, y, z = moved(pose, hand.samples, s)
         depth = 1.0
         while depth > 0.0:
             depth = depth_at(
@@ -61,11 +61,13 @@ def way_out_of_inside(
 def is_inside(field: Any, hand: Any, body: int, pose: np.ndarray) -> bool:
     """Whether a body that meets no face lies within the object.
 
-    All of it is on one side then: the first group whose middle is well away from the surface
-    tells, and a body without any is outside.
+    All of it is on one side then: the first sample that is well away from the surface tells,
+    and a body without any is outside.
     """
-    for g in range(hand.group_start[body], hand.group_start[body + 1]):
-        x, y, z = moved(pose, hand.group_center, g)
+    for s in range(
+        hand.sample_start[hand.group_start[body]], hand.sample_start[hand.group_start[body + 1]]
+    ):
+        x, y, z = moved(pose, hand.samples, s)
         i, j, k, within = node_at(field, x, y, z)
         if not within:
             return False

@@ -18,8 +18,13 @@ from medkit.grasping.closing.tree_kernels import ball_in_link, meet
 
 #: A retreat ends this far [m] from touching, so that the pose itself is free.
 CLEAR = 1e-6
+#: A body that slides along the object leaves it by a hair at a time, each hit giving way to the
+#: next. Its steps grow up to this [m]: a free pose shorter than that may be passed over.
+COARSEST = 5e-5
 #: Gaps [m] beyond this need not be known: the hand draws back no further at once.
 FAR = 0.05
+#: Pieces clipped before the hand draws back by what they tell: the others may be settled by then.
+BUDGET = 24
 
 
 @entry
@@ -36,7 +41,7 @@ def retreat(
 
     `base` is moved. A triangle that lies in a body has to leave it through the planes that it
     moves towards, so each hit tells how far to draw back at the least, and no free pose is
-    passed over. Returns the way [m], -1 when it would exceed `limit`.
+    passed over but for slivers below `COARSEST`. Returns the way [m], -1 when beyond `limit`.
     """
     x, y, z = base[0, 3], base[1, 3], base[2, 3]
     place_links(hand, q, base, work)
@@ -48,7 +53,7 @@ def retreat(
         _set_slopes(hand, body, pose, approach, work)
         work.slack[body] = 0.0
     # a plain 0 is a type of its own, for which all kernels below would be compiled once more
-    clean, turn, need = 0, np.int64(0), way
+    clean, turn, need, extra = 0, np.int64(0), way, CLEAR
     while clean < bodies:
         if need > 0.0:
             base[0, 3] = x - way * approach[0]
@@ -60,11 +65,14 @@ def retreat(
             clean = 0
         need = _way_out(field, hand, turn, approach, work)
         if need > 0.0:
+            need += extra
+            extra = min(1.5 * extra, COARSEST)
             way += need
             if way > limit:
                 return -1.0
         else:
             clean += 1
+            extra = CLEAR
             turn = (turn + 1) % bodies
     return way
 
@@ -96,13 +104,13 @@ def _way_out(field: Any, hand: Any, body: int, approach: np.ndarray, work: Any) 
 
 @inner
 def _way_of_hits(tree: Any, hulls: Any, body: int, pose: np.ndarray, work: Any) -> float:
-    """Retreat [m] after which no point of the object that is now in a body is in it any more."""
+    """Retreat [m] that points of the object now in a body need at the least to leave it."""
     stack, clip = work.stack, work.clip
     leaves = tree.starts.shape[0] - 1
     need, exit_plane = 0.0, np.int64(-1)
     stack[0] = 0
-    top = 1
-    while top > 0:
+    top, clipped = 1, 0
+    while top > 0 and clipped < BUDGET:
         top -= 1
         node = stack[top]
         if _ball_is_settled(hulls, body, pose, tree.balls, node, need, exit_plane, work):
@@ -117,6 +125,7 @@ def _way_of_hits(tree: Any, hulls: Any, body: int, pose: np.ndarray, work: Any) 
                 continue
             to_link(pose, tree.pieces[piece], clip.local)
             corners = clip_to_body(hulls, body, 0.0, clip)
+            clipped += 1 if corners > 0 else 0
             for v in range(corners):
                 way, plane = _way_of_corner(hulls, body, clip.polygon, v, work)
                 if way > need:
