@@ -10,8 +10,9 @@ import trimesh
 from numpy.typing import NDArray
 
 from medkit.errors import InputError
-from medkit.geometry import Floats, nonnegative
+from medkit.geometry import Floats, expected, nonnegative
 from medkit.medial import axis_kernels, tree_kernels
+from medkit.medial.size import in_own_frame
 from medkit.medial.surface import SurfaceSample, sample_surface
 from medkit.medial.touch_kernels import widest_touch
 from medkit.medial.tree_kernels import Tree
@@ -48,7 +49,7 @@ class MedialAxis:
     spacing : float
         Mean distance of the surface samples that the spheres stand on [m].
     diagonal : float
-        Diagonal of the object's bounding box [m].
+        Diagonal of the smallest box around the object, in any direction [m].
     """
 
     centers: Floats
@@ -110,6 +111,8 @@ def medial_axis(
     >>> bool(np.all(np.linalg.norm(ball.centers, axis=1) < 0.001))
     True
     """
+    remedy = "read one with medkit.meshes.load_mesh(path)"
+    expected(mesh, trimesh.Trimesh, "a triangle mesh", remedy)
     sample = sample_surface(repair_mesh(mesh).mesh, spacing=spacing)
     return medial_axis_from_surface(sample, side=side, touch_tolerance=touch_tolerance)
 
@@ -148,7 +151,8 @@ def sample_tree(sample: SurfaceSample, sign: float = 1.0) -> tuple[NDArray[np.in
     leaves = 1
     while leaves * tree_kernels.LEAF_SIZE < len(sample):
         leaves *= 2
-    order, first, last = tree_kernels.sort_samples(sample.points, leaves)
+    # laid out in the object's own frame, so that a turned object gets the same tree
+    order, first, last = tree_kernels.sort_samples(in_own_frame(sample.points), leaves)
     points, normals = sample.points[order], sample.normals[order] * sign
     nodes = tree_kernels.bound_nodes(points, normals, first, last)
     return order, Tree(points, normals, first, last, nodes)

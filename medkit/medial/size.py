@@ -59,6 +59,15 @@ def smallest_diagonal(vertices: Floats) -> float:
     return reach * float(np.sqrt(np.sum(extents**2, axis=1).min()))
 
 
+def in_own_frame(points: Floats) -> Floats:
+    """Coordinates (n, 3) about the middle of some points, in a frame that turns with them."""
+    offsets = points - points.mean(axis=0)
+    reach = float(np.linalg.norm(offsets, axis=1).max())
+    if reach == 0.0:
+        return offsets
+    return np.asarray(offsets @ _own_frame(offsets / reach).T)
+
+
 def _own_frame(offsets: Floats) -> Floats:
     """Frame (3, 3), as rows, that turns with the points: no direction of the world enters.
 

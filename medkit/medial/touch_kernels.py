@@ -10,6 +10,8 @@ from medkit.medial.tree_kernels import SPREAD, STACK, ball_misses, box_distance2
 
 #: A sample this much aside of the foot on its own tangent plane is a touch of its own (cosine).
 SLANTED = 0.95
+#: Most searches for a wider partner, each from the partner found last.
+STEPS = 6
 
 
 @njit(cache=True)
@@ -19,9 +21,10 @@ def widest_touch(centers, radii, own, stop, tree, tolerances, reach, enough, mod
     A sample touches when its tangent plane has its foot within `reach` of the sample and moving
     the centre by ``tolerances[0]`` could close the gap; or, at a reentrant edge, when the sample
     itself is no farther than radius plus ``tolerances[1]``. The touch that is widest from the
-    sphere's own sample is taken, and then the one that is widest from that. Angles wider than
-    `enough` are not widened further. Where no touch is wider than `modest` from the own sample,
-    the two first touches are kept: no pair at all is wider than twice that [rad].
+    sphere's own sample is taken, then the one that is widest from that, and so on while the
+    angle grows. Angles wider than `enough` are not widened further. Where no touch is wider than
+    `modest` from the own sample, the two first touches are kept: no pair at all is wider than
+    twice that [rad].
     """
     n = len(centers)
     angles = np.empty(n)
@@ -40,15 +43,26 @@ def widest_touch(centers, radii, own, stop, tree, tolerances, reach, enough, mod
         for k in range(3):
             rows[0, k] = rows[2, k] = tree.normals[own[i], k]
         best = _cosine(rows, u, v, w, 0)
-        for step in range(2):
-            if best <= goal or (step == 1 and best > narrow):
+        found = -1
+        for step in range(STEPS):
+            if best <= goal or (step == 1 and best > narrow) or (step > 1 and found < 0):
                 break
             bound = min(best, narrow)
             least, u, v, w, found = _farthest(
-                centers, i, radii[i], tree, tolerances, reach, rows, bound, goal, stack, hints[step]
+                centers,
+                i,
+                radii[i],
+                tree,
+                tolerances,
+                reach,
+                rows,
+                bound,
+                goal,
+                stack,
+                hints[min(step, 1)],
             )
             if found >= 0:
-                hints[step] = found
+                hints[min(step, 1)] = found
                 best = least
                 rows[3, 0], rows[3, 1], rows[3, 2] = u, v, w
             if step == 0:
@@ -60,6 +74,9 @@ def widest_touch(centers, radii, own, stop, tree, tolerances, reach, enough, mod
                     best = other
                     for k in range(3):
                         rows[3, k] = rows[1, k]
+            else:
+                for k in range(3):
+                    rows[2, k], rows[3, k] = rows[3, k], rows[2, k]
         angles[i] = np.arccos(min(1.0, max(-1.0, best)))
         for k in range(3):
             pairs[i, 0, k] = centers[i, k] + radii[i] * rows[2, k]

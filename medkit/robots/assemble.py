@@ -133,7 +133,7 @@ def on_the_palm(
     >>> slab = LinkBody(0, *convex_body(corners))
     >>> frame = np.eye(4)
     >>> frame[2, 3] = 0.5
-    >>> on_the_palm(frame, np.array([0, 0, 1.0]), np.eye(4)[None], [slab])[:3, 3].tolist()
+    >>> on_the_palm(frame, np.array([0, 0, 1.0]), np.eye(4)[None], [slab])[:3, 3].round(3).tolist()
     [0.0, 0.0, 0.1]
     """
     back = min(_way_back(frame[:3, 3], palm_direction, poses[b.link], b) for b in bodies)

@@ -7,8 +7,9 @@ import trimesh
 from medkit.grasping import sample_surface
 from medkit.medial.axis import ENOUGH, MODEST, REACH, SLACK, TOUCH, sample_tree
 from medkit.medial.axis_kernels import THIN, refine_balls, shrink_balls
+from medkit.medial.size import in_own_frame
 from medkit.medial.surface_kernels import bucket
-from medkit.medial.touch_kernels import SLANTED, widest_touch
+from medkit.medial.touch_kernels import SLANTED, STEPS, widest_touch
 from medkit.medial.tree_kernels import (
     BEND,
     BOTTOM,
@@ -120,12 +121,17 @@ def plain_touches(center, radius, own, stop, tree, tolerances, reach):
 
 
 def plain_angle(touches):
-    """Widest from the first direction, then widest from that; from `MODEST` on [rad]."""
+    """Widest from the first direction, widest from that, and so on; from `MODEST` on [rad]."""
     cosine = touches @ touches[0]
     if cosine.min() >= np.cos(MODEST):
         return float(np.arccos(cosine[1]))
-    partner = touches[np.argmin(cosine)]
-    return float(np.arccos(np.clip((touches @ partner).min(), -1.0, 1.0)))
+    best, partner = cosine.min(), touches[np.argmin(cosine)]
+    for _ in range(STEPS - 1):
+        cosine = touches @ partner
+        if cosine.min() >= best:
+            break
+        best, partner = cosine.min(), touches[np.argmin(cosine)]
+    return float(np.arccos(np.clip(best, -1.0, 1.0)))
 
 
 @each
@@ -135,6 +141,7 @@ def test_the_tree_is_balanced_and_its_bounds_hold(name):
     assert sorted(order) == list(range(len(sample)))
     assert np.array_equal(tree.points, sample.points[order])
     leaves = len(tree.first) // 2
+    own = in_own_frame(sample.points)[order]
     for node in range(1, 2 * leaves):
         members = slice(tree.first[node], tree.last[node])
         points, normals, row = tree.points[members], tree.normals[members], tree.nodes[node]
@@ -148,9 +155,9 @@ def test_the_tree_is_balanced_and_its_bounds_hold(name):
         assert np.all((height <= row[TOP] + 1e-12) & (height >= bowl - 1e-12))
         assert np.linalg.norm(normals - frame[0], axis=1).max() <= row[SPREAD] + 1e-12
         if node < leaves:
-            axis = np.argmax(row[3:6] - row[:3])
-            left, right = tree.nodes[2 * node], tree.nodes[2 * node + 1]
-            assert left[3 + axis] <= right[axis]
+            axis = np.argmax(np.ptp(own[members], axis=0))
+            left, right = (own[tree.first[k] : tree.last[k]] for k in (2 * node, 2 * node + 1))
+            assert left[:, axis].max() <= right[:, axis].min()
             assert tree.last[2 * node] - tree.first[2 * node] == (len(points)) // 2
 
 
@@ -254,7 +261,7 @@ def test_the_widest_touch_equals_its_plain_twin(name):
 
 @each
 def test_no_two_touches_are_much_wider_than_the_object_angle(name):
-    """Two steps of the farthest-point search nearly always find the widest of all pairs."""
+    """The farthest-point search nearly always find the widest of all pairs."""
     sample = SAMPLES[name]
     _, tree = sample_tree(sample)
     balls = plain_balls(sample, tree)
@@ -262,12 +269,12 @@ def test_no_two_touches_are_much_wider_than_the_object_angle(name):
     reach = REACH * sample.spacing
     angles = widest_touch(*balls, tree, tolerances, reach, ENOUGH, MODEST)[0]
     wider = []
-    for k in range(0, len(angles), 3):
+    for k in range(len(angles)):
         touches = plain_touches(*(part[k] for part in balls), tree, tolerances, reach)
         widest = np.arccos((touches @ touches.T).min().clip(-1.0, 1.0))
         assert widest <= max(2.0 * angles[k], 2.0 * MODEST) + 1e-9
         # only angles that a grasp could ask for are searched to the end
         if widest >= 2.0 * MODEST:
             wider.append(0.0 if angles[k] > ENOUGH else widest - angles[k])
-    if wider:
-        assert np.mean(np.array(wider) <= np.radians(1.0)) > 0.9
+    missed = np.count_nonzero(np.array(wider) > np.radians(1.0))
+    assert missed <= 1 + 0.1 * len(wider)  # the bumpy ball has but two such spheres

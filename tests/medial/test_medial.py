@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from medkit.datasets import load_object
 from medkit.errors import InputError
 from medkit.geometry import apply, random_rotation, transform
 from medkit.grasping import filter_object_angle, medial_axis, sample_surface
@@ -235,22 +236,19 @@ def test_a_capsule_with_exact_normals_is_exact_at_every_spacing():
         assert errors_at(exact_capsule_sample, "capsule", spacing).max() < 1e-12
 
 
-def test_rigid_motion_moves_the_axis_with_the_mesh():
-    mesh = KNOWN["capsule"][0]
+@pytest.mark.parametrize("name", ["capsule", "box", "torus", "hammer"])
+def test_rigid_motion_moves_each_sphere_with_the_mesh(name):
+    mesh = load_object(name) if name == "hammer" else KNOWN[name][0]
     T = transform(random_rotation(np.random.default_rng(4)), [0.3, -2.0, 1.0])
     moved = mesh.copy()
     moved.apply_transform(T)
-    # the diagonal of the box changes with the pose, so the spacing is given
-    here, there = medial_axis(mesh, spacing=0.004), medial_axis(moved, spacing=0.004)
-    # rounding may decide between two samples that are equally good
-    assert len(here) == pytest.approx(len(there), rel=0.005)
-    a, b = filter_object_angle(here), filter_object_angle(there)
-    back = apply(np.linalg.inv(T), b.centers)
-    assert segment_distance(back, 0.1).max() < 0.01 * a.diagonal
-    quantiles = np.linspace(0.0, 1.0, 11)
-    assert np.quantile(a.radii, quantiles) == pytest.approx(
-        np.quantile(b.radii, quantiles), abs=1e-3 * a.diagonal
-    )
+    here, there = medial_axis(mesh), medial_axis(moved)
+    assert len(here) == len(there)
+    off = np.linalg.norm(apply(T, here.centers) - there.centers, axis=1) / here.diagonal
+    # rounding may decide between equally good samples, and round shapes are full of them
+    assert np.median(off) < 1e-9
+    assert np.quantile(off, 0.99) < 1e-3
+    assert np.quantile(np.abs(here.radii - there.radii), 0.99) < 1e-3 * here.diagonal
 
 
 def test_scale_scales_everything():
