@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,57 @@ from numpy.typing import ArrayLike, NDArray
 from medkit.errors import InputError
 
 Floats = NDArray[np.float64]
+Kind = TypeVar("Kind")
+
+
+def expected(value: Any, kind: type[Kind] | tuple[type[Kind], ...], what: str, remedy: str) -> Kind:
+    """Check that an argument is of a type, and return it as it is.
+
+    Parameters
+    ----------
+    value : object
+        What was passed.
+    kind : type or tuple of types
+        The type that it should have.
+    what : str
+        What was expected, for the sentence: "a hand".
+    remedy : str
+        What to do, without a full stop.
+
+    Returns
+    -------
+    object
+        `value` itself.
+
+    Raises
+    ------
+    InputError
+        If it is of another type.
+
+    Examples
+    --------
+    >>> expected([1, 2], list, "a list", "put it into brackets")
+    [1, 2]
+    """
+    if isinstance(value, kind):
+        return value
+    raise InputError(f"Expected {what}, but got {_in_words(value)}; {remedy}.")
+
+
+def _in_words(value: Any) -> str:
+    """Name a value by its type and, where that is short, by what it holds."""
+    if value is None:
+        return "None"
+    kind = type(value)
+    rooms = kind.__module__.split(".")
+    home = ".".join(rooms[: 2 if rooms[0] == "medkit" else 1])
+    name = kind.__name__ if home in ("builtins", "__main__") else f"{home}.{kind.__name__}"
+    if isinstance(value, str | int | float):
+        text = repr(value)
+        return f"the {name} {text if len(text) <= 40 else text[:36] + '...'}"
+    if isinstance(value, list | tuple) or (isinstance(value, np.ndarray) and value.ndim):
+        return f"a {name} of {len(value)}"
+    return f"a {name}"
 
 
 def unit(vectors: ArrayLike) -> Floats:
@@ -68,9 +119,15 @@ def points_array(points: ArrayLike, dimension: int, name: str = "points") -> Flo
     Raises
     ------
     InputError
-        If the shape differs or a number is not finite.
+        If it does not hold numbers, the shape differs or a number is not finite.
     """
-    array = np.asarray(points, dtype=float)
+    try:
+        array = np.asarray(points, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise InputError(
+            f"Expected {name} to be rows of {dimension} numbers, but got {_in_words(points)} that"
+            f" cannot be read so; pass one row of {dimension} coordinates per point."
+        ) from error
     if array.ndim != 2 or array.shape[1] != dimension:
         raise InputError(
             f"Expected {name} of shape (n, {dimension}), but got shape {array.shape};"

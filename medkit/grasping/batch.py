@@ -22,13 +22,14 @@ from medkit.grasping.grasp_file import read_grasps, write_grasps
 from medkit.grasping.grasp_set import GraspSet
 from medkit.grasping.planners import object_record, plan_grasps, with_origin
 from medkit.robots.hand import Hand
+from medkit.robots.library import usable_hand
 
 Done = Callable[[str, GraspSet], None]
 
 
 def plan_many(
     objects: Mapping[str, trimesh.Trimesh] | Iterable[tuple[str, trimesh.Trimesh]],
-    hand: Hand,
+    hand: Hand | str,
     folder: str | os.PathLike[str],
     *,
     scheduler: str | None = None,
@@ -43,8 +44,8 @@ def plan_many(
     ----------
     objects : mapping or iterable of (name, mesh)
         Closed meshes [m]. The names become file names.
-    hand : Hand
-        The hand.
+    hand : Hand or str
+        The hand, or its name.
     folder : path-like
         Existing folder for the grasp files ``name.json``.
     scheduler : str, optional
@@ -74,6 +75,7 @@ def plan_many(
     target = Path(folder)
     if not target.is_dir():
         raise InputError(f"Expected an existing folder for the grasps, but {target} is not one.")
+    hand = usable_hand(hand)
     pairs = dict(objects.items() if isinstance(objects, Mapping) else objects)
     files = {name: target / f"{_file_name(name)}.json" for name in pairs}
     open_ = {

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import hashlib
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from importlib import import_module
 from operator import attrgetter
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import numpy as np
+import trimesh
 from numpy.typing import NDArray
 
 from medkit.errors import InputError
-from medkit.geometry import Floats, nonnegative
+from medkit.geometry import Floats, expected, nonnegative
 from medkit.grasping.candidates import CandidateGrasps, candidates_from_axis
 from medkit.grasping.grasp_set import Grasp, GraspSet, ObjectRecord
 from medkit.grasping.stopwatch import Stopwatch
@@ -24,11 +26,12 @@ from medkit.grasping.testers import Quality as Quality
 from medkit.grasping.testers import judge as judge
 from medkit.grasping.testers import power_tester as power_tester
 from medkit.medial.axis import medial_axis
-from medkit.meshes import mass_properties
+from medkit.meshes import mass_properties, refuse_wrong_scale
+from medkit.meshes.loading import used_part
+from medkit.meshes.repair import FLAT_VOLUME
+from medkit.meshes.surfaces import signed_volume
 from medkit.robots.hand import Hand
-
-if TYPE_CHECKING:
-    import trimesh
+from medkit.robots.library import usable_hand
 
 #: Candidates that are tested when nothing else is asked for (P13 5.1.3: about 300 an object).
 DEFAULT_CANDIDATES = 400
@@ -38,7 +41,7 @@ Progress = Callable[[Iterable[Any], int], Iterable[Any]]
 
 def plan_grasps(
     mesh: trimesh.Trimesh,
-    hand: Hand,
+    hand: Hand | str,
     *,
     grasp: str = "power",
     planner: str = "medial",
@@ -56,8 +59,8 @@ def plan_grasps(
     ----------
     mesh : trimesh.Trimesh
         A closed mesh with outward normals [m], as `medkit.meshes.repair_mesh` returns it.
-    hand : Hand
-        The hand.
+    hand : Hand or str
+        The hand, or its name for `medkit.robots.load_hand`.
     grasp : str
         Closing strategy, one of `TESTERS`: ``"power"`` or ``"precision"``.
     planner : str
@@ -87,8 +90,13 @@ def plan_grasps(
     Raises
     ------
     InputError
-        If an argument is out of range or a name is unknown.
+        If an argument is of the wrong type or out of range, a name is unknown, or the mesh is
+        in other units than metres, encloses no volume or is turned inside-out.
     """
+    refuse_unusable(mesh)
+    hand = usable_hand(hand)
+    remedy = "pass rng=numpy.random.default_rng(0)"
+    expected(rng, np.random.Generator, "a random generator as rng", remedy)
     nonnegative(friction, "friction")
     source = looked_up(CANDIDATE_SOURCES, planner, "planner")
     make_tester = looked_up(TESTERS, grasp, "kind of grasp")
@@ -133,7 +141,7 @@ def plan_grasps(
 
 def plan_power_grasps(
     mesh: trimesh.Trimesh,
-    hand: Hand,
+    hand: Hand | str,
     *,
     friction: float = 0.5,
     search_radius: float = 0.03,
@@ -169,6 +177,45 @@ def plan_power_grasps(
         rng=rng,
         jobs=jobs,
         progress=progress,
+    )
+
+
+def refuse_unusable(mesh: trimesh.Trimesh) -> None:
+    """Refuse a mesh that planners could not use: `InputError` that says what to do."""
+    remedy = (
+        "read one with medkit.meshes.load_mesh(path), or take .mesh of what repair_mesh returns"
+    )
+    expected(mesh, trimesh.Trimesh, "a triangle mesh", remedy)
+    if len(mesh.faces) == 0:
+        raise InputError(
+            "Expected a closed body, but the mesh holds no triangle; check the file, then plan on"
+            " medkit.meshes.repair_mesh(mesh).mesh."
+        )
+    corners = np.asarray(mesh.vertices, dtype=float)[np.asarray(mesh.faces)]
+    if not np.all(np.isfinite(corners)):
+        raise InputError(
+            "Expected finite vertex coordinates, but the mesh holds NaN or infinity;"
+            " export it again."
+        )
+    refuse_flat(mesh)
+    try:
+        refuse_wrong_scale(mesh)
+    except InputError as error:  # its remedy is an option of the command line
+        advice = re.sub(r"--scale (\S+)", r"load_mesh(path, scale=\1)", str(error))
+        raise InputError(advice) from None
+
+
+def refuse_flat(mesh: trimesh.Trimesh) -> None:
+    """Refuse a mesh of no volume, judged as `repair_mesh` does, or with inward normals."""
+    surface = used_part(mesh)
+    least = FLAT_VOLUME * float(np.linalg.norm(np.ptp(surface[0], axis=0))) ** 3
+    volume = signed_volume(surface)
+    if volume >= least > 0.0:
+        return
+    fault = "is inside-out" if volume <= -least < 0.0 else "encloses no volume"
+    raise InputError(
+        f"Expected a closed body with outward normals, but the mesh {fault};"
+        " plan on medkit.meshes.repair_mesh(mesh).mesh."
     )
 
 

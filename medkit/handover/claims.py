@@ -16,6 +16,7 @@ import numpy as np
 import pandas as pd
 
 from medkit.errors import InputError
+from medkit.geometry import expected
 from medkit.handover import estimands
 from medkit.handover.cells import RatingCells, force_steps, rating_cells, stratum_codes
 from medkit.handover.resampling import (
@@ -25,6 +26,7 @@ from medkit.handover.resampling import (
     sign_flip_p,
     subject_interval,
 )
+from medkit.handover.trials import trial_table
 
 Array = np.ndarray
 SUPPORTED, CONTRADICTED, NOT_DECIDED = "supported", "contradicted", "not decided"
@@ -100,7 +102,8 @@ def claims(
     Raises
     ------
     InputError
-        If the table has fewer than two subjects, or one kind of rating only.
+        If no table came, it has fewer than two subjects or one kind of rating only, or `rng` is
+        not a generator.
 
     Examples
     --------
@@ -110,7 +113,9 @@ def claims(
     'supported'
     """
     rng = np.random.default_rng(0) if rng is None else rng
-    cells = rating_cells(trials)
+    remedy = "pass rng=numpy.random.default_rng(0), or leave it out"
+    expected(rng, np.random.Generator, "a random generator as rng", remedy)
+    cells = rating_cells(trial_table(trials))
     if len(cells.subjects) < 2:
         raise InputError(
             f"Expected trials of at least two subjects, came {len(cells.subjects)}; an interval"
@@ -163,7 +168,7 @@ def subject_estimates(trials: pd.DataFrame, *, subject: str = "T4") -> pd.DataFr
     >>> subject_estimates(load_trials()).loc[1, ["T1", "T2", "T3", "T4"]].gt(0).all()
     np.True_
     """
-    cells = rating_cells(trials)
+    cells = rating_cells(trial_table(trials))
     once = np.ones((1, len(cells)))
     rows = {}
     for claim in thesis_claims(subject):

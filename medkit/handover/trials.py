@@ -12,6 +12,7 @@ import pandas as pd
 from medkit.datasets.handover_schema import KEY, RATINGS
 from medkit.datasets.handover_trials import load_handover_table
 from medkit.errors import InputError
+from medkit.geometry import expected
 
 Irregular = Literal["drop", "keep", "best", "worst"]
 
@@ -91,7 +92,7 @@ def describe_trials(trials: pd.DataFrame) -> str:
     >>> print(describe_trials(load_trials()))
     3420 ratings by 4 subjects in 855 cells; 9 of 864 cells do not add up to 4 and were dropped.
     """
-    total = int(trials[list(RATINGS)].to_numpy().sum())
+    total = int(trial_table(trials)[list(RATINGS)].to_numpy().sum())
     text = f"{total} ratings by {trials['subject'].nunique()} subjects in {len(trials)} cells"
     if "irregular" not in trials.attrs:
         return text + "."
@@ -133,9 +134,15 @@ def with_light_object(
     >>> int(with_light_object(load_trials())["weight_g"].min())
     20
     """
-    changed = trials.copy()
+    changed = trial_table(trials).copy()
     changed["weight_g"] = changed["weight_g"].replace({printed_g: weight_g})
     return changed
+
+
+def trial_table(trials: pd.DataFrame) -> pd.DataFrame:
+    """Return the table as it is; `InputError` where something else came."""
+    remedy = "pass a table from load_trials"
+    return expected(trials, pd.DataFrame, "a table of trials", remedy)
 
 
 def score(trials: pd.DataFrame) -> pd.Series:
@@ -154,7 +161,7 @@ def score(trials: pd.DataFrame) -> pd.Series:
     Raises
     ------
     InputError
-        If a count column is missing or a row holds no rating.
+        If no table came, a count column is missing or a row holds no rating.
 
     Examples
     --------
@@ -168,7 +175,7 @@ def score(trials: pd.DataFrame) -> pd.Series:
 
 def rating_counts(trials: pd.DataFrame) -> np.ndarray:
     """Return the counts good, acceptable, bad of every row as an (n, 3) array, checked."""
-    absent = [level for level in RATINGS if level not in trials.columns]
+    absent = [level for level in RATINGS if level not in trial_table(trials).columns]
     if absent:
         raise InputError(
             f"Expected count columns good, acceptable and bad, but {absent[0]} is missing;"
@@ -204,7 +211,7 @@ def rating_shares(trials: pd.DataFrame, by: list[str]) -> pd.DataFrame:
     >>> rating_shares(load_trials(), ["pose"])["good"].round(3).tolist()
     [0.368, 0.287]
     """
-    counts = trials.groupby(by)[list(RATINGS)].sum()
+    counts = trial_table(trials).groupby(by)[list(RATINGS)].sum()
     total = counts.sum(axis=1)
     return counts.div(total, axis=0).assign(ratings=total)
 
@@ -217,7 +224,7 @@ def mean_scores(trials: pd.DataFrame, by: list[str]) -> pd.Series:
     >>> mean_scores(load_trials(), ["force_N"]).round(2).iloc[[0, -1]].tolist()
     [0.96, 0.02]
     """
-    return trials.assign(score=score(trials)).groupby(by)["score"].mean()
+    return trial_table(trials).assign(score=score(trials)).groupby(by)["score"].mean()
 
 
 def cells_of(
@@ -230,7 +237,7 @@ def cells_of(
     InputError
         If nothing is left.
     """
-    keep = np.ones(len(trials), dtype=bool)
+    keep = np.ones(len(trial_table(trials)), dtype=bool)
     for column, value in (("pose", pose), ("mode", mode)):
         if value is not None:
             keep &= (trials[column] == value).to_numpy()
@@ -246,6 +253,6 @@ def cells_of(
 def missing_cells(trials: pd.DataFrame) -> int:
     """Return how many cells of the full crossing (per pose) the table lacks."""
     full = 0
-    for _, part in trials.groupby("pose"):
+    for _, part in trial_table(trials).groupby("pose"):
         full += int(np.prod([part[name].nunique() for name in KEY[1:]]))
     return full - len(trials)

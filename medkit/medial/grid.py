@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from medkit.errors import InputError
-from medkit.geometry import Floats, positive
+from medkit.geometry import Floats, expected, positive
 from medkit.medial import grid_kernels as kernels
 from medkit.medial.axis import MedialAxis
 
@@ -110,7 +110,8 @@ class MedialSphereGrid:
         Raises
         ------
         InputError
-            If there are no spheres or the density is not positive.
+            If something else than an axis came, it has no spheres, or the density is not
+            positive.
 
         Examples
         --------
@@ -120,6 +121,8 @@ class MedialSphereGrid:
         >>> int(grid.starts[-1]) == len(grid.axis)
         True
         """
+        remedy = "pass medkit.grasping.medial_axis(mesh)"
+        expected(axis, MedialAxis, "the medial axis of a mesh", remedy)
         density = positive(cell_density, "cell_density")
         if len(axis) == 0:
             raise InputError(

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from medkit.errors import InputError
-from medkit.geometry import Floats, nonnegative, positive
+from medkit.geometry import Floats, expected, nonnegative, positive
 from medkit.medial import grid_kernels as kernels
 from medkit.medial.grid import MedialSphereGrid
 
@@ -96,7 +96,8 @@ def local_symmetry(
     Raises
     ------
     InputError
-        If the radius is not positive or the thresholds are not in order.
+        If something else than a grid came, the radius is not positive, or the thresholds are
+        not in order.
 
     Examples
     --------
@@ -107,6 +108,8 @@ def local_symmetry(
     >>> bool(np.all(symmetry.kind == SymmetryKind.AXIS))
     True
     """
+    remedy = "pass MedialSphereGrid.from_axis(axis)"
+    expected(grid, MedialSphereGrid, "a grid of medial spheres", remedy)
     reach = positive(radius, "radius", " m")
     if not 0.0 <= rho_axis < rho_plane:
         raise InputError(

@@ -7,10 +7,10 @@ from functools import cached_property
 
 import networkx as nx
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from medkit.geometry import Floats, positive
-from medkit.planar.outlines import Outline, SmoothOutline
+from medkit.geometry import Floats, expected, positive
+from medkit.planar.outlines import Outline, SmoothOutline, outline_from_loops
 
 Ints = NDArray[np.int64]
 
@@ -100,7 +100,7 @@ class MedialAxis:
         return np.vstack([self.node_centers[first], inner, self.node_centers[last]])
 
 
-def medial_axis(outline: Outline, *, spacing: float | None = None) -> MedialAxis:
+def medial_axis(outline: Outline | ArrayLike, *, spacing: float | None = None) -> MedialAxis:
     """Compute the medial axis inside an outline, exactly.
 
     On polygons it is the segment Voronoi diagram within the region: straight and parabolic arcs
@@ -108,8 +108,9 @@ def medial_axis(outline: Outline, *, spacing: float | None = None) -> MedialAxis
 
     Parameters
     ----------
-    outline : Outline
-        Polygon, with holes or without, or smooth closed curve.
+    outline : Outline or array-like, shape (m, 2)
+        Polygon, with holes or without, or smooth closed curve; or the vertices of a polygon
+        without holes [m].
     spacing : float, optional
         Largest distance of neighbouring disks along a branch [m]; a fiftieth of the outline's
         characteristic length when left out. It chooses which disks of the exact axis are
@@ -123,7 +124,7 @@ def medial_axis(outline: Outline, *, spacing: float | None = None) -> MedialAxis
     Raises
     ------
     InputError
-        If `spacing` is not positive.
+        If `outline` is neither an outline nor the vertices of one, or `spacing` is not positive.
 
     Notes
     -----
@@ -142,6 +143,10 @@ def medial_axis(outline: Outline, *, spacing: float | None = None) -> MedialAxis
     from medkit.planar.polygon_axis import polygon_medial_axis
     from medkit.planar.smooth_axis import smooth_medial_axis
 
+    if isinstance(outline, list | tuple | np.ndarray):
+        outline = outline_from_loops(outline)
+    remedy = "pass outline_from_loops(points) or a shape such as medkit.planar.rectangle()"
+    outline = expected(outline, Outline, "an outline", remedy)
     step = outline.characteristic_length / 50 if spacing is None else positive(spacing, "spacing")
     if isinstance(outline, SmoothOutline):
         return smooth_medial_axis(outline, step)

@@ -8,6 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from medkit.errors import InputError
+from medkit.geometry import expected
 from medkit.robots.build import hand_from_file
 from medkit.robots.fields import suggestion
 from medkit.robots.hand import Hand
@@ -46,7 +47,8 @@ def load_hand(
     Raises
     ------
     InputError
-        If no hand has this name, or the description cannot be used.
+        If no hand has this name, the description cannot be used, or neither a name nor a path
+        came.
 
     Examples
     --------
@@ -54,6 +56,10 @@ def load_hand(
     >>> len(hand.joint_names), [finger.name for finger in hand.fingers]
     (11, ['thumb', 'index', 'middle', 'ring', 'pinky'])
     """
+    known = ", ".join(hand_names())
+    remedy = f"name one of {known}, or the path of a YAML description"
+    what = "the name or the path of a hand"
+    expected(name_or_path, (str, os.PathLike), what, remedy)
     text = os.fspath(name_or_path)
     if text in hand_names():
         return _builtin(text)
@@ -66,9 +72,28 @@ def load_hand(
             )
         return hand_from_file(path, [Path(folder) for folder in package_dirs])
     raise InputError(
-        f"Expected one of the hands {', '.join(hand_names())} or the path of a YAML description,"
+        f"Expected one of the hands {known} or the path of a YAML description,"
         f" but got {text!r}; {suggestion(text, hand_names())}"
     )
+
+
+def usable_hand(hand: Hand | str | os.PathLike[str]) -> Hand:
+    """Return a hand as it is, or load it where its name or path came instead.
+
+    Raises
+    ------
+    InputError
+        If it is neither, or cannot be loaded.
+
+    Examples
+    --------
+    >>> usable_hand("wsg50").name, usable_hand(load_hand("wsg50")).name
+    ('wsg50', 'wsg50')
+    """
+    if isinstance(hand, str | os.PathLike):
+        return load_hand(hand)
+    remedy = f"pass load_hand(name), or just the name: {', '.join(hand_names())}"
+    return expected(hand, Hand, "a hand", remedy)
 
 
 @lru_cache(maxsize=8)
