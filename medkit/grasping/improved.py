@@ -1,9 +1,10 @@
 """``medial-plus``: the published candidates, guided by touch points and free space (not in P13).
 
 Four changes, each for a reason that holds for every object and hand: the fingers straddle the two
-touch points of a sphere; the palm comes only from where nothing is in its way; spheres are chosen
-by farthest-point spread; and each candidate is tried at a few depths in the palm. The last is a
-local search: one candidate of this planner costs several closings of the published one.
+touch points of a sphere; the palm comes only from where nothing is in its way; candidates are drawn
+one by one instead of sphere by sphere; and each is tried at a few distances from the palm, the
+published one first. The last is a local search: one candidate of this planner costs several
+closings of the published one.
 """
 
 from __future__ import annotations
@@ -13,13 +14,14 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from medkit.errors import InputError
 from medkit.geometry import Floats, unit
 from medkit.grasping.candidates import CandidateGrasps, SphereFate, candidates_from_axis
-from medkit.grasping.grasp_set import Grasp
+from medkit.grasping.grasp_set import START_COLLISION, Grasp
+from medkit.grasping.planners import sphere_numbers
 from medkit.grasping.stopwatch import Stopwatch
+from medkit.grasping.testers import PowerTester
 from medkit.medial.axis import MedialAxis, medial_axis
 from medkit.medial.surface import sample_surface
 from medkit.robots.hand import Hand
@@ -27,16 +29,18 @@ from medkit.robots.hand import Hand
 if TYPE_CHECKING:
     import trimesh
 
-Ints = NDArray[np.int64]
-
 #: Approach directions around a symmetry axis; P13 takes four.
 AXIS_STEPS = 8
 #: Turns of a rim's approach about the chord between its touch points [rad].
 RIM_TURNS = np.radians([-45.0, 0.0, 45.0])
 #: Half the width of the way that the palm needs, over the largest radius that the hand encloses.
 PALM_SHARE = 0.5
-#: Where the grasp point goes along the approach, in shares of the room between sphere and palm.
-DEPTHS = (0.0, 1.0, -0.5)
+#: How far a power grasp stands back from where the palm meets the object, as shares of the
+#: largest radius that the hand encloses.
+STAND_BACK = (1.0 / 3.0, 2.0 / 3.0, 1.0)
+#: Where the point of a precision grasp goes along the approach, as shares of the largest radius
+#: that the hand encloses less the sphere's own.
+PAD_DEPTHS = (1.0, -0.5)
 
 
 def improved_candidates(
@@ -176,36 +180,19 @@ def depth_of_object(points: Floats, centers: Floats, approach: Floats, *, width:
 def spread_candidates(
     candidates: CandidateGrasps, most: int | None, rng: np.random.Generator
 ) -> CandidateGrasps:
-    """At most so many candidates, of spheres far from one another, starting at one drawn.
+    """At most so many candidates, drawn one by one and evenly from all.
 
-    Each sphere gives one candidate before any gives two; which one is drawn.
+    The published planner draws spheres and takes all candidates of each: few spheres, many alike.
+    Spheres are numbered by their distance from the middle of all, so that the same ones are drawn
+    in whatever order they come.
     """
     if most is not None and most < 1:
         raise InputError(f"Expected at least one candidate, but got {most}; give a larger number.")
     if most is None or len(candidates) <= most:
         return candidates
-    spheres, groups = np.unique(candidates.sphere, return_inverse=True)
-    first = np.searchsorted(candidates.sphere, spheres)
-    order = farthest_first(candidates.grasp_point[first], min(most, len(spheres)), rng)
-    place = np.full(len(spheres), len(spheres), dtype=np.int64)
-    place[order] = np.arange(len(order))
-    drawn = rng.permutation(len(candidates))
-    by_group = drawn[np.argsort(groups[drawn], kind="stable")]
-    counts = np.bincount(groups)
-    turn = np.empty(len(candidates), dtype=np.int64)
-    turn[by_group] = np.arange(len(candidates)) - np.repeat(np.cumsum(counts) - counts, counts)
-    best = np.lexsort((place[groups], turn))[:most]
-    return candidates.select(np.sort(best))
-
-
-def farthest_first(points: Floats, count: int, rng: np.random.Generator) -> Ints:
-    """Indices of `count` of the points (n, 3), each farthest from those before it."""
-    chosen = [int(rng.integers(len(points)))]
-    away = np.linalg.norm(points - points[chosen[0]], axis=1)
-    while len(chosen) < count:
-        chosen.append(int(np.argmax(away)))
-        away = np.minimum(away, np.linalg.norm(points - points[chosen[-1]], axis=1))
-    return np.array(chosen, dtype=np.int64)
+    order = np.argsort(sphere_numbers(candidates), kind="stable")
+    drawn = order[rng.permutation(len(candidates))[:most]]
+    return candidates.select(np.sort(drawn))
 
 
 class SearchingTester:
@@ -241,13 +228,29 @@ class SearchingTester:
         self, point: Floats, approach: Floats, closing_axis: Floats, radius: float
     ) -> tuple[Grasp, float]:
         """The best of the tried grasps, the first among equals, and the time of all qualities."""
-        room = max(self.room - radius, 0.0)
-        tried = [
-            self.tester.test(point + share * room * approach, approach, closing_axis, radius)
-            for share in DEPTHS
-        ]
-        best = max((grasp for grasp, _ in tried), key=lambda grasp: grasp.epsilon)
-        return replace(best, grasp_point=point), sum(spent for _, spent in tried)
+        first, spent = self.tester.test(point, approach, closing_axis, radius)
+        tried, times = [first], [spent]
+        for step in self._steps(first, radius):
+            moved = point + step * approach
+            grasp, spent = self.tester.test(moved, approach, closing_axis, radius)
+            tried.append(grasp)
+            times.append(spent)
+        best = max(tried, key=lambda grasp: grasp.epsilon)
+        return replace(best, grasp_point=point), sum(times)
+
+    def _steps(self, first: Grasp, radius: float) -> list[float]:
+        """How far to move the point along the approach [m] after the grasp of the published one.
+
+        A power grasp ends with the palm on the object: a deeper point ends there as well, and one
+        less deep only counts from where the hand was drawn back to.
+        """
+        if not isinstance(self.tester, PowerTester):
+            return [share * max(self.room - radius, 0.0) for share in PAD_DEPTHS]
+        if first.outcome == START_COLLISION:
+            return []
+        palm = (first.pose @ self.tester.closer.hand.T_hand_power)[:3, 3]
+        drawn_back = float((first.grasp_point - palm) @ first.approach)
+        return [-drawn_back - share * self.room for share in STAND_BACK]
 
 
 def _together(first: CandidateGrasps, second: CandidateGrasps) -> CandidateGrasps:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import trimesh
@@ -12,7 +14,6 @@ from medkit.grasping import SphereFate, candidates_from_axis, medial_axis, plan_
 from medkit.grasping.improved import (
     SearchingTester,
     depth_of_object,
-    farthest_first,
     improved_candidates,
     spread_candidates,
     straddle,
@@ -96,12 +97,26 @@ def test_straddling_leaves_candidates_around_axes_alone():
     np.testing.assert_array_equal(straddle(published, axis).approach, published.approach)
 
 
-def test_spread_spheres_lie_farther_apart_than_their_first_ones(found):
-    chosen = spread_candidates(found, 12, np.random.default_rng(0))
-    assert len(chosen) == 12
-    assert len(np.unique(chosen.sphere)) == 12
-    away = np.linalg.norm(chosen.grasp_point[:, None] - chosen.grasp_point[None], axis=2)
-    assert (away + np.eye(12)).min() > 0.015
+def test_candidates_are_drawn_evenly_from_all(found):
+    rng = np.random.default_rng(0)
+    taken = np.zeros(3)
+    numbered = replace(found, radius=np.arange(len(found)) * 3.0 / len(found))
+    for _ in range(200):
+        drawn = spread_candidates(numbered, 12, rng).radius
+        assert len(np.unique(drawn)) == 12
+        taken += np.bincount(drawn.astype(int), minlength=3)
+    # a third of 2400 each, with a deviation of 23
+    assert np.abs(taken - 800.0).max() < 100.0
+
+
+def test_the_draw_does_not_depend_on_the_order_of_the_spheres(found):
+    rows = np.argsort(-found.sphere, kind="stable")
+    turned = replace(found.select(rows), sphere=found.sphere.max() - found.sphere[rows])
+    first = spread_candidates(found, 12, np.random.default_rng(5))
+    second = spread_candidates(turned, 12, np.random.default_rng(5))
+    one = np.hstack([first.grasp_point, first.approach, first.closing_axis])
+    two = np.hstack([second.grasp_point, second.approach, second.closing_axis])
+    np.testing.assert_array_equal(one[np.lexsort(one.T)], two[np.lexsort(two.T)])
 
 
 def test_all_candidates_are_taken_when_enough_are_asked_for(found):
@@ -111,14 +126,6 @@ def test_all_candidates_are_taken_when_enough_are_asked_for(found):
     assert len(almost) == len(found) - 1
     with pytest.raises(InputError, match="at least one"):
         spread_candidates(found, 0, np.random.default_rng(0))
-
-
-def test_farthest_first_takes_the_corners_before_the_middle():
-    points = np.array([[0.0, 0, 0], [0.1, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0.5, 0.5, 0]])
-    order = farthest_first(points, 6, np.random.default_rng(1)).tolist()
-    assert sorted(order) == list(range(6))
-    start = np.linalg.norm(points - points[order[0]], axis=1)
-    assert start[order[1]] == start.max()
 
 
 def test_the_search_is_never_worse_than_the_candidate_itself(found, plate, hand):
@@ -131,6 +138,19 @@ def test_the_search_is_never_worse_than_the_candidate_itself(found, plate, hand)
         plain, searched = tester.test(*row)[0], search.test(*row)[0]
         assert searched.epsilon >= plain.epsilon
         np.testing.assert_array_equal(searched.grasp_point, row[0])
+
+
+def test_the_search_stands_back_from_the_object_and_not_from_the_grasp_point(plate, hand):
+    # in the middle of a thick body the hand is drawn back far: every step has to start from there
+    body = mass_properties(plate)
+    tester = power_tester(hand, plate.triangles, Quality(0.5, body.center_mass, body.torque_scale))
+    search = SearchingTester.around(tester, hand)
+    row = (np.zeros(3), np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]), 0.01)
+    first = tester.test(*row)[0]
+    heights = [first.pose[2, 3]]
+    for step in search._steps(first, 0.01):
+        heights.append(tester.test(row[0] + step * row[1], *row[1:])[0].pose[2, 3])
+    np.testing.assert_allclose(-np.diff(heights), hand.max_sphere_radius / 3.0, atol=1e-9)
 
 
 def test_the_plan_is_the_same_twice_and_in_two_processes(plate, hand):
