@@ -71,6 +71,7 @@ def improved_candidates(
     -------
     CandidateGrasps
         In the order of the spheres; spheres whose every approach is blocked keep their fate.
+        The published ones where all are blocked.
 
     Notes
     -----
@@ -79,21 +80,23 @@ def improved_candidates(
     axis = medial_axis(mesh)
     watch.lap("medial")
     least = 0.0 if grasp == "precision" else hand.min_sphere_radius
-    found = candidates_from_axis(
+    published = candidates_from_axis(
         axis,
         search_radius=search_radius,
         min_radius_ratio=min_radius_ratio,
         hand_radii=(least, hand.max_sphere_radius),
         axis_steps=AXIS_STEPS,
     )
-    found = straddle(found, axis)
+    found = straddle(published, axis)
     depth = depth_of_object(
         sample_surface(mesh).points,
         found.grasp_point,
         found.approach,
         width=PALM_SHARE * hand.max_sphere_radius,
     )
-    return found.select(np.flatnonzero(depth <= hand.max_sphere_radius))
+    free = depth <= hand.max_sphere_radius
+    # where no way is free, the published ones: the closing tells what they are worth
+    return found.select(np.flatnonzero(free)) if free.any() else published
 
 
 def straddle(found: CandidateGrasps, axis: MedialAxis) -> CandidateGrasps:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from medkit.datasets.objects import load_object
 from medkit.errors import InputError
 from medkit.geometry import random_rotation
 from medkit.grasping import SphereFate, candidates_from_axis, medial_axis, plan_grasps
@@ -77,6 +78,14 @@ def test_published_candidates_reach_deeper_into_the_plate_than_guided_ones_may(p
     along, across = np.array([[0.0, 0.0, 1.0]]), np.array([[1.0, 0.0, 0.0]])
     assert depth_of_object(points, middle, along, width=0.02)[0] > 0.1
     assert depth_of_object(points, middle, across, width=0.02)[0] == pytest.approx(0.01)
+
+
+def test_an_object_whose_every_candidate_is_blocked_still_has_some(hand):
+    found = improved_candidates(
+        load_object("star"), hand, watch=Stopwatch(),
+        grasp="power", search_radius=0.03, min_radius_ratio=0.7,
+    )  # fmt: skip
+    assert len(found) > 0
 
 
 def test_depth_turns_with_the_object():
