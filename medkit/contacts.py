@@ -71,9 +71,15 @@ class Contacts:
     friction: Floats
 
     def __init__(self, points: ArrayLike, normals: ArrayLike, friction: ArrayLike) -> None:
-        places = np.array(points, dtype=float, order="C")
-        inward = np.array(normals, dtype=float, order="C")
-        roughness = np.asarray(friction, dtype=float)
+        try:
+            places = np.array(points, dtype=float, order="C")
+            inward = np.array(normals, dtype=float, order="C")
+            roughness = np.asarray(friction, dtype=float)
+        except (TypeError, ValueError) as error:
+            raise InputError(
+                f"Expected numbers for points, normals and friction, but got something else"
+                f" ({error}); pass arrays of shape (n, 3) or (n, 2) and a coefficient."
+            ) from None
         fits = places.ndim == 2 and inward.shape == places.shape and roughness.ndim == 0
         spread = np.empty(len(places) if fits else 0)
         spread[:] = roughness if fits else 0.0

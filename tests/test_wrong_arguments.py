@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 import trimesh
 
-from medkit import grasping, handover, planar
+from medkit import grasping, handover, planar, quality
 from medkit.errors import InputError
 from medkit.geometry import expected, points_array
 from medkit.grasping.batch import plan_many
@@ -63,6 +63,12 @@ MISTAKES = {
         "medkit.medial.MedialAxis", "from_axis"),
     "words for an outline": (lambda: planar.medial_axis(["a", "b"]), "numbers", "outer loop"),
     "a mesh for an outline": (lambda: planar.medial_axis(BOX), "trimesh.Trimesh", "outline"),
+    "a word for friction": (
+        lambda: quality.is_force_closure([[0.0, 0, 0]], [[0.0, 0, 1]], friction="x"),
+        "'x'", "coefficient"),
+    "ragged contacts": (
+        lambda: quality.is_force_closure([[0.0, 0], [1.0]], [[0.0, 1]], friction=0.5),
+        "something else", "arrays"),
     "a list for a table": (lambda: handover.score([1, 2]), "a list", "load_trials"),
     "a list for means": (lambda: handover.mean_scores([1], ["pose"]), "a list", "load_trials"),
     "no table": (lambda: handover.claims(None), "None", "load_trials"),
