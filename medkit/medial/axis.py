@@ -43,7 +43,8 @@ class MedialAxis:
     radii : ndarray, shape (n,)
         Radii [m].
     object_angles : ndarray, shape (n,)
-        Largest angle between two directions from the centre to touch points [rad].
+        Largest angle between two directions from the centre to touch points [rad]; where no pair
+        can reach 120 deg, that between two of them, which may be less than the largest.
     touch_points : ndarray, shape (n, 2, 3)
         The two touch points that span the object angle [m].
     spacing : float
