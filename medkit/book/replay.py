@@ -7,6 +7,7 @@ replay page, so that no value there is typed in.
 from __future__ import annotations
 
 import html
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
@@ -31,22 +32,78 @@ class Replay:
     note: str = ""
 
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
-        rows = [
-            ("source", self.source), ("quantity", self.quantity), ("printed", self.printed),
-            ("ours", self.ours), ("interval", self.interval), ("verdict", self.verdict),
-            ("note", self.note),
-        ]  # fmt: skip
-        kept = [(name, value) for name, value in rows if value]
-        cells = "".join(
-            f"<tr><th style='text-align:left'>{name}</th>"
-            f"<td style='text-align:left'>{html.escape(value)}</td></tr>"
-            for name, value in kept
-        )
+        kept = [(name, value) for name, value in asdict(self).items() if value]
+        cells = "".join(f"<tr>{_cell(name, 'th')}{_cell(value)}</tr>" for name, value in kept)
         return {
             "text/plain": "\n".join(f"{name:>9}: {value}" for name, value in kept),
             "text/html": f"<table class='replay'>{cells}</table>",
             MIME: asdict(self),
         }
+
+
+@dataclass(frozen=True)
+class ReplayTable:
+    """Several rows under one head, as a notebook shows them; made by `replay_table`."""
+
+    rows: tuple[Replay, ...]
+
+    def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
+        rows = [asdict(row) for row in self.rows]
+        heads = [name for name in rows[0] if any(row[name] for row in rows)]
+        lines = [heads, *([row[name] for name in heads] for row in rows)]
+        head, *body = (
+            "<tr>" + "".join(_cell(value, tag) for value in line) + "</tr>"
+            for line, tag in zip(lines, ["th"] + ["td"] * len(rows), strict=True)
+        )
+        return {
+            "text/plain": "\n".join(" | ".join(line) for line in lines),
+            "text/html": f"<table class='replay'>{head}{''.join(body)}</table>",
+            MIME: rows,
+        }
+
+
+def _cell(value: str, tag: str = "td") -> str:
+    return f"<{tag} style='text-align:left'>{html.escape(value)}</{tag}>"
+
+
+def replay_table(rows: Iterable[Replay]) -> ReplayTable:
+    """Put several rows into one table.
+
+    Parameters
+    ----------
+    rows : iterable of Replay
+        What `replay`, `replay_statement` and `replay_missing` gave; at least one.
+
+    Returns
+    -------
+    ReplayTable
+        For the end of a cell; the replay page takes each row of it.
+
+    Raises
+    ------
+    InputError
+        If there is no row.
+
+    Examples
+    --------
+    >>> half, one = (
+    ...     replay("P13 4.2.1", f"object angle at mu = {mu}", printed=angle, ours=angle,
+    ...            low=angle - 0.1, high=angle + 0.1, unit="deg")
+    ...     for mu, angle in ((0.5, 127), (1, 90))
+    ... )
+    >>> len(replay_table([half, one]).rows)
+    2
+    """
+    kept = tuple(rows)
+    if not kept:
+        raise InputError("Expected at least one row, but got none; pass what replay() returns.")
+    return ReplayTable(kept)
+
+
+def rows_of(data: Mapping[str, Any]) -> list[dict[str, str]]:
+    """Rows that one stored output of a cell holds, in order; empty for any other output."""
+    found = data.get(MIME, [])
+    return found if isinstance(found, list) else [found]
 
 
 def replay(

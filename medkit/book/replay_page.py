@@ -18,7 +18,7 @@ from medkit.book.coverage import (
     natural,
 )
 from medkit.book.notebooks import Executed
-from medkit.book.replay import MIME
+from medkit.book.replay import rows_of
 
 Row = dict[str, str]
 VERDICTS = ("reproduced", "better", "worse", "contradicted", "not decided", "cannot be rebuilt")
@@ -33,10 +33,9 @@ def replay_rows(chapters: Iterable[Executed]) -> list[Row]:
     for chapter in chapters:
         for cell in chapter.node.cells:
             for output in cell.get("outputs", []):
-                data = output.get("data", {})
-                if MIME in data:
-                    link = f"{chapter.name}.html#{cell.get('id', '')}"
-                    rows.append({**data[MIME], "link": link, "chapter": chapter.title})
+                link = f"{chapter.name}.html#{cell.get('id', '')}"
+                for row in rows_of(output.get("data", {})):
+                    rows.append({**row, "link": link, "chapter": chapter.title})
     return rows
 
 

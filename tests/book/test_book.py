@@ -11,7 +11,7 @@ from medkit.book import replay, replay_missing, replay_statement
 from medkit.book.build import write_book
 from medkit.book.notebooks import Executed, chapter_of, execute, find_notebooks, normalised
 from medkit.book.pages import markdown_html, notebook_html
-from medkit.book.replay import MIME
+from medkit.book.replay import rows_of
 from medkit.book.replay_page import replay_rows
 from medkit.errors import InputError
 
@@ -127,8 +127,8 @@ def test_every_replay_row_of_the_stored_chapters_is_complete():
         assert row["source"].startswith(("P13", "R12", "L14")), row
     for cell_output in (c for s in stored for c in s.node.cells if c.cell_type == "code"):
         for output in cell_output.outputs:
-            if MIME in output.get("data", {}):
-                assert set(output.data[MIME]) >= {"source", "quantity", "printed", "ours"}
+            for row in rows_of(output.get("data", {})):
+                assert set(row) >= {"source", "quantity", "printed", "ours"}
 
 
 def test_every_link_between_stored_notebooks_leads_somewhere():

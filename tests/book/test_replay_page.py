@@ -11,8 +11,9 @@ import pytest
 
 from medkit.book.coverage import chapter_of_source, coverage, items_named
 from medkit.book.notebooks import Executed, find_notebooks
-from medkit.book.replay import MIME, replay
+from medkit.book.replay import MIME, replay, replay_table, rows_of
 from medkit.book.replay_page import VERDICTS, departures, replay_html, replay_rows, status
+from medkit.errors import InputError
 
 ROOT = Path(__file__).parents[2]
 NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
@@ -138,6 +139,23 @@ def test_an_item_without_a_row_says_what_it_is_instead():
     assert status(by_key["P13", "figure", "4.6"], rows) == ["drawn anew"]
     assert status(by_key["P13", "figure", "6.3"], rows) == ["later"]
     assert status(by_key["L14", "figure", "3.1"], rows) == ["not rebuilt"]
+
+
+def test_a_table_of_rows_is_worth_its_rows_one_by_one():
+    values = {**HELD, "printed": 73.2}
+    rows = [replay("P13 table 5.1", f"<{name}>", **values) for name in "ab"]
+    bundles = [row._repr_mimebundle_() for row in rows]
+    table = replay_table(rows)._repr_mimebundle_()
+    assert rows_of(table) == [row for bundle in bundles for row in rows_of(bundle)]
+    assert rows_of({"text/plain": "1"}) == []
+    lines = table["text/plain"].splitlines()
+    assert len(lines) == 3
+    assert all(row.verdict in line for row, line in zip(rows, lines[1:], strict=True))
+    assert "<a>" not in table["text/html"]
+    assert table["text/html"].count("<tr>") == 3
+    assert "note" not in lines[0]
+    with pytest.raises(InputError, match="at least one row"):
+        replay_table([])
 
 
 def test_rows_come_from_outputs_alone():
