@@ -214,7 +214,9 @@ def move_slider(page: Page) -> list[str]:
 
 def turn_view(page: Page) -> list[str]:
     """Drag in the first 3-D view and see whether it turns."""
-    frame = page.query_selector(".jp-Notebook iframe[title='grasp browser']")
+    frame = page.query_selector(
+        ".jp-Notebook iframe[title='grasp browser'], .jp-Notebook iframe[title='live scene']"
+    )
     if frame is None:
         return []
     frame.scroll_into_view_if_needed()

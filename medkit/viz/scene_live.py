@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from medkit.errors import InputError
-from medkit.geometry import Floats
+from medkit.geometry import Floats, transform
 from medkit.robots import Hand
 from medkit.viz.hands import PALM_COLOUR, add_mesh, finger_colours, frame_axes
 from medkit.viz.style import OBJECT_GREY
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     import trimesh
 
 HEIGHT = 420  # [px]
+HALF_ANGLE = np.radians(37.5)  # of meshcat's camera, upwards; sidewards it sees more
+LOOK_FROM = np.array([0.75, -0.55, 0.4])  # from the middle of the scene, z up
 PATIENCE_MS = 10_000  # for an answer of the server
 GONE = "<em>This scene is closed; run its cell again.</em>"
 
@@ -71,7 +73,10 @@ class LiveScene:
         self._parts: dict[str, _Part] = {}
         self._widgets: list[Any] = []
         self._end = weakref.finalize(self, _stop, process, self._view.window.zmq_socket)
-        self._view["/Background"].set_property("top_color", [0.97, 0.98, 0.99])
+        for place in ("top_color", "bottom_color"):
+            self._view["/Background"].set_property(place, [0.97, 0.98, 0.99])
+        for thing in ("/Grid", "/Axes"):  # in metres, they dwarf what a hand can hold
+            self._view[thing].set_property("visible", False)
         LiveScene._open = weakref.ref(self)
 
     @property
@@ -105,18 +110,23 @@ class LiveScene:
         for path, _, place in _bodies(name, hand, q, _pose(pose)):
             self._set_pose(path, place)
 
+    def fit_view(self) -> None:
+        """Turn the camera to the scene as it stands; showing the scene does it once."""
+        middle, eye = fitting_camera(self._corners())
+        self._node("/Cameras/default").set_transform(transform(np.eye(3), middle))
+        # meshcat's camera stands in a frame of its own, whose y points up
+        x, y, z = eye - middle
+        self._node("/Cameras/default/rotated/<object>").set_property("position", [x, z, -y])
+
     def still(self) -> str:
         """Draw the scene as it stands; return a PNG as base64 text."""
         import matplotlib.pyplot as plt
 
         figure, axes = plt.subplots(figsize=(6.0, 4.6), subplot_kw={"projection": "3d"})
-        corners = [np.zeros((1, 3))] if not self._parts else []
         for part in self._parts.values():
-            rotation, shift = part.pose[:3, :3], part.pose[:3, 3]
-            placed = part.triangles @ rotation.T + shift
-            add_mesh(axes, placed, part.normals @ rotation.T, part.colour, part.opacity)
-            corners.append(placed.reshape(-1, 3))
-        frame_axes(axes, np.vstack(corners))
+            normals = part.normals @ part.pose[:3, :3].T
+            add_mesh(axes, part.placed(), normals, part.colour, part.opacity)
+        frame_axes(axes, self._corners())
         picture = figure_png(figure)
         plt.close(figure)
         return picture
@@ -159,6 +169,10 @@ class LiveScene:
         self._node(path).set_transform(pose)
         self._parts[path] = replace(self._parts[path], pose=pose)
 
+    def _corners(self) -> Floats:
+        placed = [part.placed().reshape(-1, 3) for part in self._parts.values()]
+        return np.vstack(placed) if placed else np.array([[-0.05] * 3, [0.05] * 3])
+
     def _node(self, path: str) -> Any:
         if self.closed:
             raise InputError("Expected an open scene, but this one is closed; make a new one.")
@@ -169,6 +183,7 @@ class LiveScene:
         if not self.closed:
             from ipywidgets import HTML, Layout
 
+            self.fit_view()
             frame = (
                 f"<iframe src='{self.url}' title='live scene' width='100%' height='{HEIGHT}'"
                 " style='border:1px solid #dfe3e8;border-radius:6px'></iframe>"
@@ -188,6 +203,35 @@ class _Part:
     pose: Floats
     colour: str
     opacity: float
+
+    def placed(self) -> Floats:
+        """Corners in the world's frame, shape (n, 3, 3) [m]."""
+        return self.triangles @ self.pose[:3, :3].T + self.pose[:3, 3]
+
+
+def fitting_camera(points: Floats) -> tuple[Floats, Floats]:
+    """Where to look and where from, so that all points lie within the picture.
+
+    Parameters
+    ----------
+    points : ndarray, shape (n, 3)
+        Corners of the scene [m], world frame, z up.
+
+    Returns
+    -------
+    middle, eye : ndarray, shape (3,)
+        Point to look at and place of the camera [m].
+
+    Examples
+    --------
+    >>> middle, eye = fitting_camera(np.array([[0.0, 0, 0], [0.2, 0, 0]]))
+    >>> middle, bool(np.linalg.norm(eye - middle) > 0.1)
+    (array([0.1, 0. , 0. ]), True)
+    """
+    middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
+    radius = max(float(np.linalg.norm(points - middle, axis=1).max()), 0.01)
+    away = LOOK_FROM / np.linalg.norm(LOOK_FROM)
+    return middle, middle + radius / np.sin(HALF_ANGLE) * away
 
 
 def _start_server() -> tuple[subprocess.Popen[str], str, str]:

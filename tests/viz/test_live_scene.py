@@ -22,7 +22,7 @@ from medkit.book.notebooks import WIDGET, execute
 from medkit.errors import InputError
 from medkit.geometry import transform
 from medkit.robots import load_hand
-from medkit.viz.scene_live import LiveScene
+from medkit.viz.scene_live import HALF_ANGLE, LiveScene, fitting_camera
 
 BOX = trimesh.creation.box((0.05, 0.08, 0.1))
 OWNER = """
@@ -132,3 +132,20 @@ def test_a_notebook_stores_a_still_and_leaves_no_server(tmp_path):
     assert set(stored.cells[1].outputs[0].data) == {"image/png", "text/plain"}
     assert WIDGET not in json.dumps(stored)
     assert gone((tmp_path / "address").read_text())
+
+
+@pytest.mark.parametrize("size", [0.003, 0.2, 5.0])
+def test_the_camera_sees_every_corner_and_no_more_air_than_needed(size):
+    points = np.random.default_rng(0).normal(size=(200, 3)) * size + [0.4, -0.2, 1.0]
+    middle, eye = fitting_camera(points)
+    sight = (middle - eye) / np.linalg.norm(middle - eye)
+    rays = points - eye
+    angle = np.arccos(rays @ sight / np.linalg.norm(rays, axis=1))
+    assert np.all(angle <= HALF_ANGLE + 1e-9)
+    assert angle.max() > HALF_ANGLE / 2
+
+
+def test_an_empty_scene_has_a_view_too():
+    with LiveScene() as scene:
+        scene.fit_view()
+        assert scene._repr_mimebundle_()["image/png"]
