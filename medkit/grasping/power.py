@@ -15,7 +15,7 @@ from medkit.geometry import Floats
 from medkit.grasping.closing.body_kernels import Workspace, workspace
 from medkit.grasping.closing.contact_kernels import COLUMNS, SPOTS, hand_contacts
 from medkit.grasping.closing.finger_kernels import close_fingers, place_links, retreat
-from medkit.grasping.closing.hand_tables import ClosingHand, closing_hand, hand_rotation
+from medkit.grasping.closing.hand_tables import ClosingHand, closing_hand, hand_rotation, palm_frame
 from medkit.grasping.closing.object_field import ObjectField
 from medkit.robots.hand import Hand
 
@@ -36,6 +36,44 @@ class Contacts:
     points: Floats
     normals: Floats
     bodies: NDArray[np.int64]
+
+
+class ContactReader:
+    """Reads the contacts of a hand off a workspace, as the kernels leave it after closing.
+
+    Parameters
+    ----------
+    field : ObjectField
+        The object.
+    arrays : ClosingHand
+        The hand.
+    work : Workspace
+        Holds the poses of the links, and how far each body surely is from the object.
+    bodies : ndarray of bool, shape (b,), optional
+        Bodies whose contacts count; all when left out.
+    """
+
+    def __init__(
+        self,
+        field: ObjectField,
+        arrays: ClosingHand,
+        work: Workspace,
+        bodies: NDArray[np.bool_] | None = None,
+    ) -> None:
+        self._tables = field, arrays
+        self._work = work
+        self._bodies = np.ones(len(arrays.body_link), dtype=np.bool_) if bodies is None else bodies
+        self._spots = np.zeros((SPOTS, COLUMNS))
+        self._rows = np.zeros((CONTACTS_PER_BODY * len(arrays.body_link), COLUMNS))
+
+    def read(self) -> Contacts:
+        """Contacts of the hand as its links stand in the workspace."""
+        count = hand_contacts(
+            *self._tables, self._bodies, CONTACT_TOLERANCE, CONTACT_SEPARATION, MIN_OPPOSITION,
+            CONTACTS_PER_BODY, self._spots, self._rows, self._work,
+        )  # fmt: skip
+        rows = self._rows[:count]
+        return Contacts(rows[:, :3].copy(), rows[:, 3:6].copy(), rows[:, 6].astype(np.int64))
 
 
 @dataclass(frozen=True)
@@ -100,13 +138,13 @@ class PowerCloser:
         self.field = field
         self.arrays: ClosingHand = closing_hand(hand, finger_order=finger_order)
         self.work: Workspace = workspace(field, self.arrays)
-        self._spots = np.zeros((SPOTS, COLUMNS))
-        self._rows = np.zeros((CONTACTS_PER_BODY * len(hand.bodies), COLUMNS))
+        self._palm = palm_frame(hand.palm_direction, hand.closing_axis)
+        self._reader = ContactReader(field, self.arrays, self.work)
 
     def start_pose(self, grasp_point: Floats, approach: Floats, closing_axis: Floats) -> Floats:
         """``T_object_hand`` with the hand's power frame at the grasp point (P13 4.29)."""
         pose = np.eye(4)
-        pose[:3, :3] = hand_rotation(approach[None], closing_axis[None], self.hand)[0]
+        pose[:3, :3] = hand_rotation(approach, closing_axis, self._palm)
         pose[:3, 3] = grasp_point - pose[:3, :3] @ self.hand.T_hand_power[:3, 3]
         return pose
 
@@ -138,25 +176,10 @@ class PowerCloser:
             nothing = Contacts(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=np.int64))
             return ClosedGrasp(base, q, nothing, -1.0, stops)
         close_fingers(self.field, self.arrays, base, q, stops, self.work)
-        return ClosedGrasp(base, q, self.read_contacts(), float(way), stops)
+        return ClosedGrasp(base, q, self._reader.read(), float(way), stops)
 
     def contacts(self, pose: Floats, q: Floats) -> Contacts:
         """Contacts of the hand at a pose (4, 4) and joints (nq,)."""
         place_links(self.arrays, np.array(q, dtype=float), np.array(pose, dtype=float), self.work)
-        return self.read_contacts()
-
-    def read_contacts(self) -> Contacts:
-        """Contacts of the hand as its links stand in the workspace."""
-        count = hand_contacts(
-            self.field,
-            self.arrays,
-            CONTACT_TOLERANCE,
-            CONTACT_SEPARATION,
-            MIN_OPPOSITION,
-            CONTACTS_PER_BODY,
-            self._spots,
-            self._rows,
-            self.work,
-        )
-        rows = self._rows[:count]
-        return Contacts(rows[:, :3].copy(), rows[:, 3:6].copy(), rows[:, 6].astype(np.int64))
+        self.work.slack[:] = 0.0  # nothing is known of where this is
+        return self._reader.read()

@@ -5,7 +5,7 @@ After P13 4.7, algorithms 6 and 7, on the closing kernels of power grasps.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -13,19 +13,11 @@ from numpy.typing import NDArray
 
 from medkit.geometry import Floats
 from medkit.grasping.closing.body_kernels import workspace
-from medkit.grasping.closing.contact_kernels import COLUMNS, SPOTS, hand_contacts
 from medkit.grasping.closing.finger_kernels import retreat
-from medkit.grasping.closing.hand_tables import ClosingHand, closing_hand, hand_rotation
+from medkit.grasping.closing.hand_tables import ClosingHand, closing_hand, hand_rotation, palm_frame
 from medkit.grasping.closing.object_field import ObjectField, object_field
 from medkit.grasping.closing.pad_kernels import close_pads
-from medkit.grasping.power import (
-    CONTACT_SEPARATION,
-    CONTACT_TOLERANCE,
-    CONTACTS_PER_BODY,
-    MAX_RETREAT,
-    MIN_OPPOSITION,
-    Contacts,
-)
+from medkit.grasping.power import MAX_RETREAT, ContactReader, Contacts
 from medkit.grasping.precision_grip import (
     OPENING_FACTOR,
     grip_path,
@@ -114,12 +106,10 @@ class PrecisionCloser:
         self.arrays: ClosingHand = closing_hand(hand, preshape="precision")
         self.path = grip_path(hand, self.grip, self.arrays)
         self.work = workspace(field, self.arrays)
-        self._turned = replace(hand, palm_direction=self.grip.approach)
+        self._palm = palm_frame(self.grip.approach, hand.closing_axis)
         tips = [finger.tip_link for finger in opposing_fingers(hand)]
-        self._has_pad = np.isin(self.arrays.body_link, tips)
-        self._slack = np.zeros(len(hand.bodies))
-        self._spots = np.zeros((SPOTS, COLUMNS))
-        self._rows = np.zeros((CONTACTS_PER_BODY * len(hand.bodies), COLUMNS))
+        has_pad = np.isin(self.arrays.body_link, tips)
+        self._reader = ContactReader(field, self.arrays, self.work, has_pad)
 
     def preshape(self, radius: float) -> tuple[float, Floats]:
         """Amount along the grip for a sphere of `radius` [m], and the grasp centre (3,) [m].
@@ -156,7 +146,7 @@ class PrecisionCloser:
         """
         amount, center = self.preshape(radius)
         base = np.eye(4)
-        base[:3, :3] = hand_rotation(approach[None], closing_axis[None], self._turned)[0]
+        base[:3, :3] = hand_rotation(approach, closing_axis, self._palm)
         base[:3, 3] = grasp_point - base[:3, :3] @ center
         q = self.grip.configuration(self.hand, np.array([amount]))[0]
         forwards = base[:3, :3] @ self.grip.approach
@@ -166,11 +156,11 @@ class PrecisionCloser:
         amounts = np.minimum(amount, self.path.end)
         touched = np.zeros(len(amounts), dtype=np.bool_)
         if not close_pads(
-            self.field, self.arrays, self.path, forwards, base, q, amounts, touched, self._slack,
-            self.work,
+            self.field, self.arrays, self.path, forwards, base, q, amounts, touched,
+            self.work.slack, self.work,
         ):  # fmt: skip
             return self._failed(start, q)
-        return ClosedPrecisionGrasp(start, base, q, self._contacts(), True, touched)
+        return ClosedPrecisionGrasp(start, base, q, self._reader.read(), True, touched)
 
     def _stand_off(self, point: Floats, base: Floats, q: Floats, forwards: Floats) -> bool:
         """Put the palm at `point`, draw back until free and by the standoff; False if never."""
@@ -183,23 +173,6 @@ class PrecisionCloser:
         nothing = Contacts(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=np.int64))
         touched = np.zeros(len(self.path.end), dtype=np.bool_)
         return ClosedPrecisionGrasp(base, base, q, nothing, False, touched)
-
-    def _contacts(self) -> Contacts:
-        """Contacts of the links with pads, as they stand in the workspace."""
-        count = hand_contacts(
-            self.field,
-            self.arrays,
-            CONTACT_TOLERANCE,
-            CONTACT_SEPARATION,
-            MIN_OPPOSITION,
-            CONTACTS_PER_BODY,
-            self._spots,
-            self._rows,
-            self.work,
-        )
-        rows = self._rows[:count]
-        rows = rows[self._has_pad[rows[:, 6].astype(np.int64)]]
-        return Contacts(rows[:, :3].copy(), rows[:, 3:6].copy(), rows[:, 6].astype(np.int64))
 
 
 class PrecisionTester(GraspTester):

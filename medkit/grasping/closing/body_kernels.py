@@ -142,6 +142,16 @@ def lowest_corner(planes: np.ndarray, f: int, local: np.ndarray) -> float:
     )
 
 
+@leaf
+def apart(hulls: Any, body: int, margin: float, local: np.ndarray) -> bool:
+    """Whether one of the planes next to a triangle's corners parts it from a body; not all do."""
+    for v in range(3):
+        f = hint_at(hulls, body, local[v, 0], local[v, 1], local[v, 2])
+        if f >= 0 and lowest_corner(hulls.planes, f, local) > margin:
+            return True
+    return False
+
+
 @inner
 def touches(hulls: Any, body: int, clip: Any) -> bool:
     """Whether the triangle in ``clip.local`` and a body share a point; exact."""

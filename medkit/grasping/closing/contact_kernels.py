@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from medkit.grasping.closing.body_kernels import clip_to_body, height_over, to_link
+from medkit.grasping.closing.body_kernels import apart, clip_to_body, height_over, to_link
 from medkit.grasping.closing.kernel_options import entry, inner
 from medkit.grasping.closing.tree_kernels import collect_faces
 
-#: Columns of a contact row: point (3), inward normal (3), body, gap, face.
-COLUMNS = 9
+#: Columns of a row: point (3), inward normal (3), body, gap, face, squared distance to the rows
+#: of the same body that are taken.
+COLUMNS = 10
 #: Most candidate points kept of one body before the choice.
 SPOTS = 4096
 #: How far [m] a contact is drawn from the border of its face towards the middle of the patch.
@@ -56,6 +57,8 @@ def _spots_of_face(
     pose = work.poses[hand.body_link[body]]
     clip = work.clip
     to_link(pose, field.triangles[face], clip.local)
+    if apart(hand.hulls, body, tolerance, clip.local):
+        return count
     corners = clip_to_body(hand.hulls, body, tolerance, clip)
     if corners == 0:
         return count
@@ -109,10 +112,49 @@ def _deepest(spots: np.ndarray, count: int, pose: np.ndarray) -> int:
     return best
 
 
+@inner
+def _spots_of_body(
+    field: Any,
+    hand: Any,
+    body: int,
+    tolerance: float,
+    least: float,
+    spots: np.ndarray,
+    work: Any,
+) -> int:
+    """Fill `spots` with all that a body may touch; how many."""
+    pose = work.poses[hand.body_link[body]]
+    count: Any = np.int64(0)  # a plain 0 would compile the callee twice
+    for e in range(collect_faces(field.tree, hand.hulls, body, pose, tolerance, work)):
+        face = work.faces[e]
+        if (
+            field.normals[face, 0] != 0.0
+            or field.normals[face, 1] != 0.0
+            or field.normals[face, 2] != 0.0
+        ):
+            count = _spots_of_face(field, hand, body, face, tolerance, least, spots, count, work)
+    return count
+
+
+@inner
+def _furthest_from(spots: np.ndarray, count: int, taken: int) -> int:
+    """Take the spot `taken`; the one that is now furthest from all taken."""
+    best, widest = 0, -1.0
+    for s in range(count):
+        squared = 0.0
+        for a in range(3):
+            squared += (spots[s, a] - spots[taken, a]) ** 2
+        spots[s, 9] = min(spots[s, 9], squared)
+        if spots[s, 9] > widest:
+            best, widest = s, spots[s, 9]
+    return best
+
+
 @entry
 def hand_contacts(
     field: Any,
     hand: Any,
+    wanted: np.ndarray,
     tolerance: float,
     separation: float,
     least: float,
@@ -121,46 +163,27 @@ def hand_contacts(
     contacts: np.ndarray,
     work: Any,
 ) -> int:
-    """Contacts of a closed hand, as rows of `contacts` (n, 9); returns how many.
+    """Contacts of the `wanted` (b,) bodies of a closed hand, as rows of `contacts`; how many.
 
     Of every body: the face part within `tolerance` [m] whose outward normal opposes the body's
     own by at least the cosine `least`; of it the deepest point, then each time the point
     furthest from those taken, while it keeps `separation` [m], at most `most` of a body.
-    Expects the links placed in `work.poses`.
+    Expects the links placed in `work.poses`, and `work.slack` as these poses leave it.
     """
     total = 0
     for body in range(hand.body_link.shape[0]):
-        pose = work.poses[hand.body_link[body]]
-        found = collect_faces(field.tree, hand.hulls, body, pose, tolerance, work)
-        count = np.int64(0)  # a plain 0 would compile the callee twice
-        for e in range(found):
-            face = work.faces[e]
-            if (
-                field.normals[face, 0] != 0.0
-                or field.normals[face, 1] != 0.0
-                or field.normals[face, 2] != 0.0
-            ):
-                count = _spots_of_face(
-                    field, hand, body, face, tolerance, least, spots, count, work
-                )
+        if not wanted[body] or work.slack[body] > tolerance:
+            continue
+        count = _spots_of_body(field, hand, body, tolerance, least, spots, work)
         if count == 0:
             continue
-        chosen = _deepest(spots, count, pose)
+        for s in range(count):
+            spots[s, 9] = 1e9
+        chosen = _deepest(spots, count, work.poses[hand.body_link[body]])
         first = total
-        while total - first < most and total < len(contacts):
+        while total - first < most and spots[chosen, 9] >= separation * separation:
             for c in range(COLUMNS):
                 contacts[total, c] = spots[chosen, c]
             total += 1
-            widest = 0.0
-            for s in range(count):
-                nearest = 1e9
-                for t in range(first, total):
-                    squared = 0.0
-                    for a in range(3):
-                        squared += (spots[s, a] - contacts[t, a]) ** 2
-                    nearest = min(nearest, squared)
-                if nearest > widest:
-                    widest, chosen = nearest, s
-            if widest < separation * separation:
-                break
+            chosen = _furthest_from(spots, count, chosen)
     return total

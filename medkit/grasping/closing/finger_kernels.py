@@ -63,6 +63,8 @@ def advance_joint(
         budget -= abs(end - value) * longest
         if budget < 0.0 and self_clearance(hand, step, 0.0, work) < -SELF_DEPTH:
             end = _before_self(hand, base, q, step, value, end, work)
+            for m in range(first, last):
+                work.slack[hand.moved_body[m]] = 0.0  # known only for the state beyond
             free_end(field, hand, base, q, step, value, end, work)
             return SELF
         value = end

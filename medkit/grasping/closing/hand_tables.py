@@ -245,26 +245,33 @@ def _least_gap(built: ClosingHand, a: int, b: int, poses: Floats) -> float:
     )
 
 
-def hand_rotation(approach: Floats, closing_axis: Floats, hand: Hand) -> Floats:
-    """Rotations that lay the hand's palm direction and closing axis onto a candidate's.
+def palm_frame(palm_direction: Floats, closing_axis: Floats) -> Floats:
+    """Frame (3, 3) of a hand's palm in its base frame: columns side, closing axis, direction."""
+    forward = unit(palm_direction)
+    side = unit(_cross(closing_axis, forward))
+    return np.array([side, _cross(forward, side), forward]).T
+
+
+def hand_rotation(approach: Floats, closing_axis: Floats, palm: Floats) -> Floats:
+    """Rotation that lays the hand's palm direction and closing axis onto a candidate's.
 
     Parameters
     ----------
-    approach, closing_axis : ndarray, shape (n, 3)
-        Directions of the candidates in the object frame; only the part of the closing axis at
+    approach, closing_axis : ndarray, shape (3,)
+        Directions of the candidate in the object frame; only the part of the closing axis at
         right angles to the approach counts.
-    hand : Hand
-        Gives the same two directions in the hand base frame.
+    palm : ndarray, shape (3, 3)
+        The hand's `palm_frame`.
 
     Returns
     -------
-    ndarray, shape (n, 3, 3)
+    ndarray, shape (3, 3)
         ``R_object_hand`` (P13 4.16 to 4.28, with the transpose of the palm matrix).
     """
+    return palm_frame(approach, closing_axis) @ palm.T
 
-    def frame(forward: Floats, axis: Floats) -> Floats:
-        side = unit(np.cross(axis, forward))
-        return np.stack([side, np.cross(forward, side), forward], axis=-1)
 
-    palm = frame(unit(hand.palm_direction), np.asarray(hand.closing_axis, dtype=float))
-    return np.asarray(frame(unit(approach), closing_axis) @ palm.T)
+def _cross(first: Floats, second: Floats) -> Floats:
+    """Cross product of two vectors (3,), without the detours of numpy's for any shape."""
+    (a, b, c), (d, e, f) = first.tolist(), second.tolist()
+    return np.array([b * f - c * e, c * d - a * f, a * e - b * d])

@@ -10,7 +10,13 @@ from typing import Any
 
 import numpy as np
 
-from medkit.grasping.closing.body_kernels import clip_to_body, height_over, hint_at, to_link
+from medkit.grasping.closing.body_kernels import (
+    apart,
+    clip_to_body,
+    height_over,
+    hint_at,
+    to_link,
+)
 from medkit.grasping.closing.chain_kernels import place_links
 from medkit.grasping.closing.inside_kernels import is_inside, way_out_of_inside
 from medkit.grasping.closing.kernel_options import entry, inner
@@ -124,6 +130,8 @@ def _way_of_hits(tree: Any, hulls: Any, body: int, pose: np.ndarray, work: Any) 
             if _ball_is_settled(hulls, body, pose, tree.piece_balls, piece, need, exit_plane, work):
                 continue
             to_link(pose, tree.pieces[piece], clip.local)
+            if apart(hulls, body, 0.0, clip.local):
+                continue
             corners = clip_to_body(hulls, body, 0.0, clip)
             clipped += 1 if corners > 0 else 0
             for v in range(corners):
