@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 import trimesh
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from medkit.geometry import Floats
-from medkit.grasping import LocalSymmetry, MedialAxis, SymmetryKind
+from medkit.grasping import LocalSymmetry, MedialAxis, MedialSphereGrid, SymmetryKind
 from medkit.viz.style import BLACK, BLUE, GREEN, OBJECT_GREY, ORANGE, SKY, VERMILION, axes_or_new
 
+PALE = "#d9dde2"  # what is left aside
 KIND_COLORS = {
     SymmetryKind.AXIS: BLACK,
     SymmetryKind.RIM: VERMILION,
@@ -108,6 +109,96 @@ def plot_directions(
     ax.set_xlabel(f"{'xyz'[first]} [cm]")
     ax.set_ylabel(f"{'xyz'[second]} [cm]")
     ax.set_aspect("equal")
+    return ax
+
+
+def plot_side(
+    axis: MedialAxis,
+    values: Floats | None = None,
+    *,
+    within: MedialAxis | None = None,
+    plane: tuple[int, int] | None = None,
+    limits: tuple[float, float] | None = None,
+    ax: Any = None,
+) -> Any:
+    """Draw the centres seen along a coordinate axis.
+
+    Parameters
+    ----------
+    axis : MedialAxis
+        Spheres to draw.
+    values : ndarray, shape (n,), optional
+        One number a sphere, drawn as its colour.
+    within : MedialAxis, optional
+        Spheres to draw in pale grey behind; they choose the frame, so that pictures of one object
+        with other filters can be held against each other.
+    plane : tuple of int, optional
+        Coordinates to draw; else the two in which the object is longest.
+    limits : tuple of float, optional
+        Values at the two ends of the colours; else the smallest and the largest.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        In centimetres.
+    """
+    ax = axes_or_new(ax)
+    whole = axis if within is None else within
+    first, second = plane or np.argsort(np.ptp(whole.centers, axis=0))[::-1][:2]
+    frame = 100.0 * whole.centers[:, [first, second]]
+    if within is not None:
+        ax.scatter(*frame.T, color=PALE, s=1, linewidths=0)
+    low, high = limits or (None, None)
+    dots = 100.0 * axis.centers[:, [first, second]]
+    ax.scatter(
+        *dots.T, c=BLUE if values is None else values, s=3, linewidths=0, vmin=low, vmax=high
+    )
+    for name, at in (("x", 0), ("y", 1)):
+        getattr(ax, f"set_{name}lim")(frame[:, at].min() - 1, frame[:, at].max() + 1)
+    ax.set(xlabel=f"{'xyz'[first]} [cm]", ylabel=f"{'xyz'[second]} [cm]", aspect="equal")
+    return ax
+
+
+def plot_search(grid: MedialSphereGrid, place: ArrayLike, radius: float, *, ax: Any = None) -> Any:
+    """Draw the cells that a search in a flat grid opens, what it tests there and what it finds.
+
+    Parameters
+    ----------
+    grid : MedialSphereGrid
+        With centres in a plane of constant z.
+    place : array-like, shape (2,)
+        The search is about the sphere nearest to this point [m].
+    radius : float
+        Search radius [m].
+    ax : matplotlib.axes.Axes, optional
+        Where to draw.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        In millimetres; its title names the cell density and counts.
+    """
+    ax = axes_or_new(ax)
+    xy = grid.axis.centers[:, :2]
+    own = xy[np.argmin(np.linalg.norm(xy - np.asarray(place), axis=1))]
+    _, _, low, width, _ = grid.cells()
+    cell = np.floor((xy - low[:2]) / width[:2])
+    first, last = (np.floor((own + sign * radius - low[:2]) / width[:2]) for sign in (-1, 1))
+    tested = np.all((cell >= first) & (cell <= last), axis=1)
+    found = np.linalg.norm(xy - own, axis=1) <= radius
+    for chosen, color in ((tested, OBJECT_GREY), (found, BLUE)):
+        ax.scatter(*(1000 * xy[chosen].T), color=color, s=3, linewidths=0)
+    for k, line in enumerate((ax.axvline, ax.axhline)):
+        for border in low[k] + width[k] * np.arange(first[k], last[k] + 2):
+            line(1000 * border, color=BLACK, lw=0.4, marker="")
+    x, y = 1000.0 * own
+    ax.plot(*_circle(x, y, 1000.0 * radius), color=ORANGE, marker="")
+    ax.set(xlabel="x [mm]", ylabel="y [mm]", aspect="equal")
+    ax.grid(visible=False)
+    count = f"{tested.sum()} tested, {found.sum()} found"
+    ax.set_title(f"C = {grid.cell_density:g}: {count}", fontsize=9)
     return ax
 
 
