@@ -7,14 +7,12 @@ holds one such block per exercise; filling in replaces exactly those cells.
 from __future__ import annotations
 
 import copy
-import re
 from pathlib import Path
 from typing import Any
 
 from medkit.errors import InputError
 from medkit.files import write_text
-
-MARK = re.compile(r"^# answer: ([a-z]+-\d+)\s*$", re.M)
+from medkit.labs.reading import MARK
 
 
 def lab_notebooks(folder: Path) -> list[Path]:

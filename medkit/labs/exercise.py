@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import traceback
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +13,7 @@ import numpy as np
 OPEN_CASES, HIDDEN_CASES = 20, 200
 
 NOTHING = "nothing comes back yet: replace the ... by your answer"
+NO_RETURN = "nothing comes back: end the function with return; what it prints is not its answer"
 
 
 class Miss(Exception):
@@ -52,9 +54,13 @@ class Exercise:
         except Exception as error:
             # a student's function may raise anything; the kind and the words are the best hint
             words = " ".join(str(error).split())[:120]
-            return Verdict(
-                self.name, False, f"{self.function} stopped with {type(error).__name__}: {words}"
+            code = getattr(answer, "__code__", None)
+            line = getattr(error, "line", None) or line_of(
+                error, {getattr(code, "co_filename", "")}
             )
+            where = f" in line {line}" if line else ""
+            hint = f"{self.function} stopped{where} with {type(error).__name__}: {words}"
+            return Verdict(self.name, False, hint.rstrip(": "))
         return Verdict(self.name, True)
 
 
@@ -64,14 +70,33 @@ def require(condition: Any, hint: str) -> None:
         raise Miss(hint)
 
 
+def line_of(error: BaseException, files: Collection[str]) -> int | None:
+    """Return the last line of one of the `files` that the error passed through."""
+    steps = traceback.walk_tb(error.__traceback__)
+    lines = [line for frame, line in steps if frame.f_code.co_filename in files]
+    return lines[-1] if lines else None
+
+
+def something(value: Any) -> Any:
+    """Return an answer as it is, or raise `Miss` where nothing came back."""
+    require(value is not Ellipsis, NOTHING)
+    require(value is not None, NO_RETURN)
+    return value
+
+
 def array(value: Any, shape: tuple[int, ...], name: str) -> Any:
     """Return an answer as a float array of `shape`, or raise `Miss`."""
-    if value is None or value is Ellipsis:
-        raise Miss(NOTHING)
-    result = np.asarray(value, dtype=float)
-    require(
-        result.shape == shape, f"expected {name} of shape {shape}, but it has shape {result.shape}"
-    )
+    wanted = f"an array of shape {shape}" if shape else "a single number"
+    something(value)
+    try:
+        if np.iscomplexobj(value) and near(np.imag(value), 0.0, 0.0):
+            value = np.real(value)
+        result = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        came = repr(value) if len(repr(value)) < 40 else f"a {type(value).__name__}"
+        raise Miss(f"expected {wanted} for {name}, but {came} came back") from None
+    came = f"an array of shape {result.shape}" if result.ndim else "a single number"
+    require(result.shape == shape, f"expected {wanted} for {name}, but {came} came back")
     require(np.isfinite(result), f"expected finite numbers in {name}, but one is not")
     return result
 

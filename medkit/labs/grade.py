@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import contextlib
 import os
-import select
+import re
 import signal
 import subprocess
 import sys
+import tempfile
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -22,10 +24,12 @@ import numpy as np
 
 from medkit.errors import InputError
 from medkit.labs.exercise import HIDDEN_CASES, Exercise, Verdict
+from medkit.labs.messages import decoded, encoded, receive, send
+from medkit.labs.reading import definitions, read_cells
 from medkit.labs.registry import LABS, exercises_of
-from medkit.labs.worker import decoded, definitions, encoded, receive, send
 
 TIME_LIMIT = 20.0  # [s] of computing an exercise may take
+QUIET = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MPLBACKEND": "Agg"}
 PATIENCE = 120.0  # [s] by the clock on top, for a slow machine and for an answer that sleeps
 
 
@@ -35,7 +39,12 @@ def submissions(folder: Path) -> list[Path]:
         raise InputError(
             f"Expected a folder of submissions, but {folder} is not one; check the path."
         )
-    found = sorted(p for p in folder.rglob("*.ipynb") if ".ipynb_checkpoints" not in p.parts)
+    found = sorted(
+        path
+        for path in folder.rglob("*.ipynb")
+        # a Mac adds "._lab.ipynb" to an archive, Jupyter its checkpoints
+        if ".ipynb_checkpoints" not in path.parts and not path.name.startswith("._")
+    )
     if not found:
         raise InputError(
             f"Expected notebooks (*.ipynb) in {folder}, but found none; check the path."
@@ -73,15 +82,21 @@ def grade(path: Path, *, seed: int, time_limit: float = TIME_LIMIT) -> list[Verd
 
 def verdict_of(path: Path, exercise: Exercise, seed: int) -> Verdict:
     """Check one exercise of a notebook that can be trusted, in this process, without limits."""
-    answer = definitions(code_cells(path), exercise.function).get(exercise.function)
+    cells = read_cells(code_cells(path))
+    answer = definitions(cells, exercise.function).get(exercise.function)
     return exercise.verdict(answer, np.random.default_rng(seed), HIDDEN_CASES)
 
 
 def _graded(worker: _Worker, exercise: Exercise, seed: int) -> Verdict:
     """Judge here, with the cases that the submission never sees; let it answer over there."""
     try:
-        answer = worker.call if worker.defines(exercise.function) else None
-        verdict = exercise.verdict(answer, np.random.default_rng(seed), HIDDEN_CASES)
+        why = worker.turn_to(exercise)
+        rng = np.random.default_rng(seed)
+        verdict = (
+            Verdict(exercise.name, False, why)
+            if why
+            else exercise.verdict(worker.call, rng, HIDDEN_CASES)
+        )
     except _OutOfTime:
         hint = f"stopped after the limit of {worker.limit:g} s"
         verdict = Verdict(exercise.name, False, hint)
@@ -89,7 +104,7 @@ def _graded(worker: _Worker, exercise: Exercise, seed: int) -> Verdict:
         hint = "the process of the answer ended without a result"
         verdict = Verdict(exercise.name, False, hint)
     except _Failed as error:
-        hint = f"the cell of {exercise.function} stopped with {error}"
+        hint = f"the cell of {exercise.function} stopped{error}"
         verdict = Verdict(exercise.name, False, hint)
     worker.done()
     return verdict
@@ -114,34 +129,52 @@ class _Worker:
         self._cells, self.limit = cells, limit
         self._process: subprocess.Popen[bytes] | None = None
         self._serving = False
+        # what an answer writes to a file by mistake goes with it
+        self._folder = tempfile.TemporaryDirectory(prefix="medkit_lab_")
 
     def __enter__(self) -> _Worker:
         return self
 
     def __exit__(self, *_: object) -> None:
         self._stop()
+        self._folder.cleanup()
 
-    def defines(self, function: str) -> bool:
-        """Turn to one function, and say whether the submission defines it."""
+    def turn_to(self, exercise: Exercise) -> str:
+        """Turn to one function, and say why the submission does not define it, if so."""
         if self._process is None:
             self._process = subprocess.Popen(
                 [sys.executable, "-m", "medkit.labs.worker"],
                 stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
-                env={**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"},
+                env={**os.environ, **QUIET},
                 start_new_session=True,
             )  # fmt: skip
         self._end = time.monotonic() + PATIENCE + 3.0 * self.limit
         self._serving = True
-        ready = self._ask({"cells": self._cells, "function": function, "seconds": self.limit})
+        ready = self._ask(
+            {
+                "cells": self._cells,
+                "exercise": exercise.name,
+                "function": exercise.function,
+                "seconds": self.limit,
+                "folder": self._folder.name,
+            }
+        )
         if "error" in ready:
-            raise _Failed(f"{ready['error']}: {ready['words']}")
-        return bool(ready.get("callable"))
+            where = f" in line {ready['line']}" if ready.get("line") else ""
+            raise _Failed(f"{where} with {ready['error']}: {ready.get('words')}")
+        if ready.get("callable"):
+            return ""
+        return (
+            str(ready.get("why", "")) or f"{exercise.function} is no function: define it with def"
+        )
 
     def call(self, *arguments: Any) -> Any:
         """Call the function over there; what it raises is raised here under the same name."""
         reply = self._ask(encoded(arguments))
         if "error" in reply:
-            raise type(str(reply["error"]), (Exception,), {})(reply["words"])
+            raise type(str(reply["error"]), (Exception,), {"line": reply.get("line")})(
+                reply.get("words")
+            )
         return decoded(reply["value"])
 
     def done(self) -> None:
@@ -154,15 +187,15 @@ class _Worker:
         assert self._process is not None
         assert self._process.stdin is not None
         assert self._process.stdout is not None
-        replies = self._process.stdout.fileno()
         reply = None
-        with contextlib.suppress(OSError, ValueError):
+        try:
             send(self._process.stdin.fileno(), request)
-            patience = max(self._end - time.monotonic(), 0.01)
-            if not select.select([replies], [], [], patience)[0]:
-                self._stop()
-                raise _OutOfTime
-            reply = receive(replies)
+            reply = receive(self._process.stdout.fileno(), self._end)
+        except TimeoutError:
+            self._stop()
+            raise _OutOfTime from None
+        except (OSError, ValueError):
+            pass  # it closed the pipe, or wrote into it what is no message
         if not isinstance(reply, dict):
             self._stop()
             raise _Gone
@@ -220,11 +253,13 @@ def code_cells(path: Path) -> list[str]:
 
 
 def _lab_of(cells: list[str], path: Path) -> str:
+    """Return the lab that the marks and checks of a notebook name most often."""
     text = "\n".join(cells)
-    for lab in LABS:
-        if f"{lab}-1" in text:
-            return lab
-    raise InputError(
-        f"Expected a lab notebook, but {path.name} names none of the exercises of"
-        f" {', '.join(LABS)}; hand in the lab's own notebook."
-    )
+    named = Counter({lab: len(re.findall(rf"\b{lab}-\d", text)) for lab in LABS})
+    lab, count = named.most_common(1)[0]
+    if not count:
+        raise InputError(
+            f"Expected a lab notebook, but {path.name} names none of the exercises of"
+            f" {', '.join(LABS)}; hand in the lab's own notebook."
+        )
+    return lab

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from medkit.labs.exercise import NOTHING, Exercise, Miss, array, near, number, require
+from medkit.labs.exercise import Exercise, array, near, number, require, something
 
 Answer = Callable[..., Any]
 
@@ -67,38 +67,39 @@ def _wrench(answer: Answer, rng: np.random.Generator, cases: int) -> None:
         require(near(wrench[2], torque), "the torque is arm_x force_y - arm_y force_x")
 
 
-def _two_contacts(half_angle: float, turn: float, shift: Any) -> tuple[Any, Any]:
-    """Touch points of a unit disk and inward normals, with object angle 2 * half_angle."""
-    angles = turn + np.array([half_angle, -half_angle])
-    radii = np.column_stack([np.cos(angles), np.sin(angles)])
-    return radii + shift, -radii
+def _two_contacts(tilts: Any, rng: np.random.Generator) -> tuple[Any, Any]:
+    """Two contacts somewhere whose normals lean away from the chord by `tilts` [rad]."""
+    turn = rng.uniform(0.0, 2.0 * np.pi)
+    chord = rng.uniform(0.5, 2.0) * _direction(turn)
+    normals = np.array([_direction(turn + tilts[0]), _direction(turn + np.pi + tilts[1])])
+    return rng.normal(size=2) + np.array([-0.5, 0.5])[:, None] * chord, normals
 
 
 def _is_force_closure(answer: Answer, rng: np.random.Generator, cases: int) -> None:
     def verdict(points: Any, normals: Any, friction: float) -> bool:
-        value = answer(points, normals, friction)
-        if value is None or value is Ellipsis:
-            raise Miss(NOTHING)
-        return bool(value)
+        return bool(something(answer(points, normals, friction)))
 
-    for _ in range(cases):
+    for case in range(cases):
         friction = rng.uniform(0.1, 1.2)
-        bound = np.pi - 2.0 * np.arctan(friction)
-        alpha = rng.uniform(0.3, np.pi)
-        if abs(alpha - bound) < 0.02:
-            continue
-        points, normals = _two_contacts(
-            alpha / 2.0, rng.uniform(0.0, 2.0 * np.pi), rng.normal(size=2)
-        )
+        bound = np.arctan(friction)
+        # in turn the first contact slips, the second, neither, and sometimes both
+        inside = np.array([case % 3 != 0, case % 3 != 1]) & (case % 7 != 6)
+        share = np.where(inside, rng.uniform(0.0, 0.97, 2), rng.uniform(1.03, 1.5, 2))
+        points, normals = _two_contacts(rng.choice([-1.0, 1.0], 2) * share * bound, rng)
         held = verdict(points, normals, friction)
         require(
-            held or alpha < bound,
+            held or not inside.all(),
             "a grasp above the bound is called open: test both ends of the chord against the cones",
         )
-        require(not held or alpha > bound, "a grasp below the bound is called closed: it slips out")
-        outward = verdict(points, -normals, friction)
-        require(not outward, "two fingers that pull are called closed: normals point inwards")
-    points, normals = _two_contacts(np.pi / 2.0, 0.0, np.zeros(2))
+        require(
+            not held or inside.all(),
+            "a grasp is called closed that slips out: the chord has to lie in the cones at both"
+            " ends",
+        )
+        # turning both would push apart inside a hole, which holds as well: nobody asks for it
+        turned = verdict(points, normals * [[1.0], [-1.0]], friction)
+        require(not turned, "a finger that pulls is called closed: normals point inwards")
+    points, normals = _two_contacts([0.0, 0.0], rng)
     require(not verdict(points, normals, 0.0), "without friction two contacts never suffice")
 
 

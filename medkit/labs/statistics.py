@@ -49,20 +49,25 @@ def _probabilities(answer: Answer, rng: np.random.Generator, cases: int) -> None
 
 
 def _permutation(answer: Answer, rng: np.random.Generator, cases: int) -> None:
-    for _ in range(max(3, cases // 10)):
-        subjects = int(rng.integers(3, 9))
-        differences = rng.normal(loc=0.6, size=subjects)
+    for case in range(max(6, cases // 10)):
+        subjects = 3 + case % 6
+        # mean scores of four ratings are eighths: their sums are exact, so ties stay ties
+        differences = np.round(8.0 * rng.normal(loc=0.6, size=subjects)) / 8.0
         value = number(answer(differences), "the p-value")
         signs = np.array(np.meshgrid(*[[-1, 1]] * subjects)).reshape(subjects, -1).T
-        means = np.abs((signs * differences).mean(axis=1))
-        target = float((means >= abs(differences.mean()) - 1e-12).mean())
+        sums, observed = signs @ differences, differences.sum()
+        target = float((np.abs(sums) >= abs(observed)).mean())
         require(0.0 <= value <= 1.0, "a p-value lies between 0 and 1")
         require(
-            not near(value, target / 2.0, 1e-9) or target == 0.0,
+            near(value, target) or not near(value, (sums >= observed).mean()),
             "that is the one-sided value: compare absolute means",
         )
         require(
-            near(value, target, 0.02),
+            near(value, target) or not near(value, (np.abs(sums) > abs(observed)).mean()),
+            "ties count, and the observed signs are one of the ways: at least as large, not larger",
+        )
+        require(
+            near(value, target),
             "turn the sign of every subject's difference, in all 2^n ways, and count how often the"
             " absolute mean is at least as large as the one observed",
         )

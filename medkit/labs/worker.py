@@ -6,24 +6,21 @@ sends back what came out. So a submission can neither read the cases to come nor
 
 from __future__ import annotations
 
-import ast
 import contextlib
 import importlib
-import json
 import math
 import os
-import re
 import resource
 import signal
-import struct
 import sys
 import time
+from pathlib import Path
 from typing import Any
 
-import numpy as np
+from medkit.labs.exercise import line_of
+from medkit.labs.messages import decoded, encoded, receive, send
+from medkit.labs.reading import Cell, defines, definitions, needed_modules, read_cells, why_missing
 
-DRAWING = ("matplotlib", "medkit.viz", "ipywidgets", "IPython", "meshcat")
-ARITHMETIC = ("np", "numpy", "math")
 #: Libraries that are loaded before the forks, so that each exercise need not load them again.
 LIBRARIES = ("numpy", "scipy", "pandas", "statsmodels", "medkit")
 IMPORTS = 60.0  # [s] of processor time that imports and definitions may take, besides the limit
@@ -31,15 +28,23 @@ MEMORY = 4 << 30  # [bytes] of address space, where the platform can
 #: How the system ends a process that has used up its processor time.
 SIGNALS_OF_TIME = (signal.SIGKILL, signal.SIGXCPU)
 
+WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC | os.O_APPEND
+PROCESSES = ("os.fork", "os.exec", "os.posix_spawn", "os.spawn", "os.system", "os.kill")
+REFUSED = (*PROCESSES, "os.killpg", "os.forkpty", "subprocess.Popen", "socket.connect", "os.link")
+CHANGES = ("os.remove", "os.rename", "os.rmdir", "os.truncate", "os.symlink", "os.mkdir")
+#: Where the answers to the labs lie in a checkout.
+TESTS = os.path.realpath(Path(__file__).parents[2] / "tests")
+
 
 def main() -> int:
     """Serve one exercise after the other, each in a fork with its own limits, until input ends."""
     pipe = _own_pipes()
     while (task := receive(pipe[0])) is not None:
-        _warm(task["cells"])
+        cells = read_cells(task["cells"])
+        _warm(cells, task["function"])
         child = os.fork()
         if child == 0:
-            _serve(pipe, task)
+            _serve(pipe, task, cells)
             os._exit(0)
         _, status = os.waitpid(child, 0)
         # the fork can no longer tell how it ended
@@ -48,132 +53,36 @@ def main() -> int:
     return 0
 
 
-def _serve(pipe: tuple[int, int], task: dict[str, Any]) -> None:
+def _serve(pipe: tuple[int, int], task: dict[str, Any], cells: list[Cell]) -> None:
     """Define what the cells hold, then answer calls of one function until ``None`` comes."""
     answer: Any = None
     try:
         _limit(IMPORTS)
-        answer = definitions(task["cells"], task["function"]).get(task["function"])
+        _lock(task["folder"])
+        answer = _answer(cells, task["function"])
         _limit(float(task["seconds"]))
-        send(pipe[1], {"callable": callable(answer)})
+        why = why_missing(cells, task["function"], task["exercise"]) if answer is None else ""
+        send(pipe[1], {"callable": callable(answer), "why": why})
     except BaseException as error:
-        send(pipe[1], _raised(error))
+        send(pipe[1], _raised(error, cells))
     while (arguments := receive(pipe[0])) is not None:
         try:
-            reply: dict[str, Any] = {"value": encoded(answer(*decoded(arguments)))}
+            send(pipe[1], {"value": encoded(answer(*decoded(arguments)))})
         except BaseException as error:
             # also SystemExit and KeyboardInterrupt of an answer: they are its result
-            reply = _raised(error)
-        send(pipe[1], reply)
+            send(pipe[1], _raised(error, cells))
 
 
-def _warm(cells: list[str]) -> None:
-    """Load the well-known libraries that the cells import; a submission's own code is not run."""
-    for name in re.findall(r"^\s*(?:from|import)\s+([\w.]+)", "\n".join(cells), re.M):
-        if name.split(".")[0] in LIBRARIES and not name.startswith(DRAWING):
+def _answer(cells: list[Cell], function: str) -> Any:
+    return definitions(cells, function).get(function) if defines(cells, function) else None
+
+
+def _warm(cells: list[Cell], function: str) -> None:
+    """Load the well-known libraries that the function needs; a submission's own code is not run."""
+    for name in needed_modules(cells, function):
+        if name.split(".")[0] in LIBRARIES:
             with contextlib.suppress(Exception):
                 importlib.import_module(name)
-
-
-def send(stream: int, message: Any) -> None:
-    """Write one message, its length before it, to a file descriptor."""
-    content = json.dumps(message).encode()
-    content = struct.pack("!Q", len(content)) + content
-    while content:
-        content = content[os.write(stream, content) :]
-
-
-def receive(stream: int) -> Any:
-    """Read one message; None where the stream ends. Never reads ahead: a fork reads on."""
-    length = struct.unpack("!Q", _exactly(stream, 8) or b"\0" * 8)[0]
-    return json.loads(_exactly(stream, length)) if length else None
-
-
-def _exactly(stream: int, count: int) -> bytes:
-    parts = []
-    while count > 0:
-        part = os.read(stream, min(count, 1 << 20))
-        if not part:
-            return b""
-        parts.append(part)
-        count -= len(part)
-    return b"".join(parts)
-
-
-def definitions(cells: list[str], wanted: str) -> dict[str, Any]:
-    """Execute imports and definitions only: no picture, no check, no input of a submission."""
-    namespace: dict[str, Any] = {"__name__": "submission"}
-    for source in cells:
-        try:
-            tree = ast.parse(source)
-        except (SyntaxError, ValueError):
-            continue
-        tree.body = [node for node in tree.body if _is_kept(node)]
-        try:
-            exec(compile(tree, "<submission>", "exec"), namespace)
-        except Exception:
-            # a broken neighbour must not cost the exercise that is asked for
-            if any(getattr(node, "name", None) == wanted for node in tree.body):
-                raise
-    return namespace
-
-
-def encoded(value: Any) -> Any:
-    """Turn numbers, arrays, texts, and lists and tuples of them into JSON; refuse the rest."""
-    if value is Ellipsis:
-        return ["..."]
-    if isinstance(value, np.generic):
-        value = value.item()
-    if value is None or isinstance(value, bool | int | float | str):
-        return ["value", value]
-    if isinstance(value, np.ndarray) and value.dtype.kind in "biuf":
-        return ["array", value.dtype.str, list(value.shape), value.ravel().tolist()]
-    if isinstance(value, list | tuple):
-        return [type(value).__name__, [encoded(item) for item in value]]
-    raise TypeError(f"expected numbers or an array, but it returned {type(value).__name__}")
-
-
-def decoded(value: Any) -> Any:
-    """Undo `encoded`.
-
-    Examples
-    --------
-    >>> decoded(encoded((1.5, [True, None], np.eye(2)[0])))
-    (1.5, [True, None], array([1., 0.]))
-    """
-    kind = value[0]
-    if kind == "...":
-        return ...
-    if kind == "array":
-        return np.array(value[3], dtype=value[1]).reshape(value[2])
-    if kind in ("list", "tuple"):
-        items = [decoded(item) for item in value[1]]
-        return items if kind == "list" else tuple(items)
-    return value[1]
-
-
-def _is_kept(node: ast.stmt) -> bool:
-    """Definitions, values that need no more than arithmetic, and imports that do not draw."""
-    if isinstance(node, ast.Assign | ast.AnnAssign | ast.AugAssign):
-        return node.value is not None and _is_plain(node.value)
-    if isinstance(node, ast.Import):
-        return not any(alias.name.startswith(DRAWING) for alias in node.names)
-    if isinstance(node, ast.ImportFrom):
-        return not (node.module or "").startswith(DRAWING)
-    return isinstance(node, ast.FunctionDef | ast.ClassDef)
-
-
-def _is_plain(value: ast.expr) -> bool:
-    """Whether an expression calls nothing but numpy and math; a lambda waits until it is called."""
-    if isinstance(value, ast.Lambda):
-        return True
-    if isinstance(value, ast.Call):
-        module = value.func.value if isinstance(value.func, ast.Attribute) else None
-        if not (isinstance(module, ast.Name) and module.id in ARITHMETIC):
-            return False
-    return all(
-        _is_plain(part) for part in ast.iter_child_nodes(value) if isinstance(part, ast.expr)
-    )
 
 
 def _own_pipes() -> tuple[int, int]:
@@ -193,8 +102,42 @@ def _limit(seconds: float) -> None:
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
 
 
-def _raised(error: BaseException) -> dict[str, Any]:
-    return {"error": type(error).__name__, "words": " ".join(str(error).split())[:200]}
+def _lock(folder: str) -> None:
+    """Work in `folder`; from now on start no process, change no file elsewhere, read no answers.
+
+    This keeps honest mistakes and plain cheating out. It is no sandbox: compiled code goes around.
+    """
+    os.chdir(folder)
+    caches = (os.path.realpath(folder), os.devnull, os.environ.get("NUMBA_CACHE_DIR", folder))
+
+    def may_write(path: str) -> bool:
+        return path.startswith(caches) or "__pycache__" in path
+
+    def guard(event: str, arguments: tuple[Any, ...]) -> None:
+        if event in REFUSED:
+            raise PermissionError(f"{event} is refused while grading")
+        if event not in CHANGES and event != "open":
+            return
+        for path in (_path(part) for part in arguments[: 2 if event == "os.rename" else 1]):
+            changes = event in CHANGES or arguments[2] & WRITING
+            if path is not None and changes and not may_write(path):
+                raise PermissionError("writing files is refused while grading")
+            if path is not None and (path.endswith(".ipynb") or path.startswith(TESTS + os.sep)):
+                raise PermissionError("reading notebooks and solutions is refused while grading")
+
+    sys.addaudithook(guard)
+
+
+def _path(name: Any) -> str | None:
+    return os.path.realpath(os.fsdecode(name)) if isinstance(name, str | bytes | Path) else None
+
+
+def _raised(error: BaseException, cells: list[Cell]) -> dict[str, Any]:
+    return {
+        "error": type(error).__name__,
+        "words": " ".join(str(error).split())[:200],
+        "line": line_of(error, {cell.place for cell in cells}),
+    }
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from medkit.errors import InputError
 from medkit.labs import check, exercises_of, lab_names
 from medkit.labs.copies import answers_in, filled, lab_notebooks, marked_exercise, write_copies
 from medkit.labs.grade import grade, verdict_of
-from medkit.labs.worker import decoded, encoded
+from medkit.labs.messages import decoded, encoded
 
 ROOT = Path(__file__).parents[2]
 LABS = ROOT / "notebooks" / "labs"
@@ -179,7 +179,7 @@ def min_object_angle(friction):
         ("def min_object_angle(friction):\n    return float(input())", "EOFError"),
         ("def min_object_angle(a, b):\n    return 1.0", "TypeError"),
         ("def min_object_angle(friction=(1 / 0)):\n    return 1.0", "ZeroDivisionError"),
-        ("", "define it"),
+        ("", "no cell defines min_object_angle"),
     ],
 )  # fmt: skip
 def test_no_submission_passes_by_force_or_stops_the_grading(tmp_path, monkeypatch, source, hint):
