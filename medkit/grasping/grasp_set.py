@@ -91,7 +91,7 @@ class GraspSet:
     candidates_found : int
         Candidates before the limit on their number.
     timing : mapping of str to float
-        Processor time per stage [s].
+        Wall time of each of `stopwatch.STAGES` [s].
     grasps : tuple of Grasp
         All tested candidates.
     """

@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from multiprocessing import resource_tracker
 from typing import Any
 
+from medkit.grasping.testers import warm_quality
+
 #: Candidates that one process takes at a time.
 CHUNK = 8
 
@@ -18,6 +20,7 @@ _tester: Any = None
 def _start(tester_type: Any, parts: dict) -> None:
     global _tester
     _tester = tester_type.from_parts(parts)
+    warm_quality()  # else the first candidate's time would count it
 
 
 @contextmanager

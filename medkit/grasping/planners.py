@@ -20,7 +20,7 @@ from medkit.grasping.candidates import CandidateGrasps, candidates_from_axis
 from medkit.grasping.grasp_set import Grasp, GraspSet, ObjectRecord
 from medkit.grasping.stopwatch import Stopwatch
 from medkit.grasping.testers import MIN_CONTACTS as MIN_CONTACTS
-from medkit.grasping.testers import GraspTester
+from medkit.grasping.testers import GraspTester, warm_quality
 from medkit.grasping.testers import PowerTester as PowerTester
 from medkit.grasping.testers import Quality as Quality
 from medkit.grasping.testers import judge as judge
@@ -117,6 +117,10 @@ def plan_grasps(
     tester = make_tester(hand, np.asarray(mesh.triangles, dtype=float), quality)
     if planner in REFINERS:
         tester = looked_up(REFINERS, planner, "planner")(tester, hand)
+    processes = processes_for(len(chosen), jobs)
+    if processes == 1:
+        warm_up(tester, chosen)
+    watch.lap("preparation")
     tested = tuple(run_candidates(tester, chosen, jobs=jobs, progress=progress))
     watch.lap("closing")
     return GraspSet(
@@ -134,7 +138,7 @@ def plan_grasps(
         seed=None,
         sphere_counts=candidates.fate_counts(),
         candidates_found=len(candidates),
-        timing=watch.stages(quality=sum(spent for _, spent in tested)),
+        timing=watch.stages(quality=sum(spent for _, spent in tested), jobs=processes),
         grasps=tuple(one for one, _ in tested),
     )
 
@@ -300,6 +304,17 @@ def sphere_numbers(candidates: CandidateGrasps) -> NDArray[np.int64]:
     return np.argsort(np.argsort(away, kind="stable"), kind="stable")[group]
 
 
+def processes_for(count: int, jobs: int) -> int:
+    """Number of processes that test `count` candidates when there may be `jobs`."""
+    return jobs if jobs > 1 and count >= 2 * jobs else 1
+
+
+def warm_up(tester: GraspTester, candidates: CandidateGrasps) -> None:
+    """Test one candidate in vain, so that none of those that count waits for compiled kernels."""
+    for _ in run_candidates(tester, candidates.select(np.arange(min(len(candidates), 1)))):
+        warm_quality()
+
+
 def run_candidates(
     tester: GraspTester,
     candidates: CandidateGrasps,
@@ -329,7 +344,7 @@ def run_candidates(
         )
         for k in range(len(candidates))
     ]
-    if jobs <= 1 or len(rows) < 2 * jobs:
+    if processes_for(len(rows), jobs) == 1:
         results: Iterable[tuple[Grasp, float]] = (tester.test(*row) for row in rows)
         yield from progress(results, len(rows)) if progress else results
         return

@@ -8,6 +8,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+import numpy as np
+
 from medkit.geometry import Floats
 from medkit.grasping.closing.object_field import object_field
 from medkit.grasping.grasp_set import (
@@ -54,6 +56,12 @@ def judge(contacts: Contacts, quality: Quality, *, started: bool = True) -> tupl
         return 0.0, TOO_FEW_CONTACTS
     value = quality.epsilon(contacts)
     return (value, FORCE_CLOSURE) if value > 0.0 else (0.0, NOT_FORCE_CLOSURE)
+
+
+def warm_quality() -> None:
+    """Load the kernels of epsilon, with contacts at the corners of a tetrahedron."""
+    corners = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) / np.sqrt(3.0)
+    epsilon(corners, -corners, friction=0.5, torque_origin=np.zeros(3), torque_scale=1.0)
 
 
 class ClosedHand(Protocol):

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import qmc
 
 from medkit.geometry import Floats, unit
 from medkit.grasping.closing.hull_tables import HullTable, hull_table, least_width
-from medkit.grasping.closing.self_kernels import bodies_gap
+from medkit.grasping.closing.self_kernels import least_gap
 from medkit.robots.hand import Hand, LinkBody
 
 Ints = NDArray[np.int64]
@@ -221,28 +221,45 @@ def _lever(hand: Hand, joint: int, body: int) -> float:
 
 def _partners(hand: Hand, built: ClosingHand) -> tuple[Ints, Ints]:
     """Bodies that each body may run into, from configurations spread over the joint limits."""
-    spread = qmc.Halton(len(hand.limits), scramble=False).random(PROBES)
+    spread = halton(PROBES, len(hand.limits))
     configurations = hand.limits[:, 0] + spread * (hand.limits[:, 1] - hand.limits[:, 0])
     poses = hand.tree.link_poses(configurations)
     start = hand.tree.link_poses(built.preshape)[None]
+    scratch = np.zeros((3, 4))
     pairs = []
     for a, b in hand.self_collision_pairs:
-        if _least_gap(built, int(a), int(b), start) < -1e-4:
+        if least_gap(built, a, b, start, NEVER_NEAR, scratch) < -1e-4:
             continue  # bodies that overlap in the preshape are drawn that way
-        if _least_gap(built, int(a), int(b), poses) < NEVER_NEAR:
+        if least_gap(built, a, b, poses, NEVER_NEAR, scratch) < NEVER_NEAR:
             pairs += [(int(a), int(b)), (int(b), int(a))]
     table = np.array(sorted(pairs), dtype=np.int64).reshape(-1, 2)
     counts = np.bincount(table[:, 0], minlength=len(hand.bodies))
     return _starts(counts.tolist()), np.ascontiguousarray(table[:, 1])
 
 
-def _least_gap(built: ClosingHand, a: int, b: int, poses: Floats) -> float:
-    links = built.body_link
-    scratch = np.zeros((3, 4))
-    return min(
-        float(bodies_gap(built, a, pose[links[a]], b, pose[links[b]], NEVER_NEAR, scratch))
-        for pose in poses
-    )
+def halton(count: int, dimension: int) -> Floats:
+    """First points (count, dimension) of Halton's sequence in the unit cube, from the origin on.
+
+    Written out, since scipy.stats takes half a second to import.
+
+    Examples
+    --------
+    >>> halton(4, 2).round(2).tolist()
+    [[0.0, 0.0], [0.5, 0.33], [0.25, 0.67], [0.75, 0.11]]
+    """
+    primes: list[int] = []
+    for number in itertools.count(2):
+        if len(primes) == dimension:
+            break
+        if all(number % prime for prime in primes):
+            primes.append(number)
+    points = np.zeros((count, dimension))
+    for column, base in enumerate(primes):
+        left, share = np.arange(count), 1.0 / base
+        while left.any():
+            points[:, column] += share * (left % base)
+            left, share = left // base, share / base
+    return points
 
 
 def palm_frame(palm_direction: Floats, closing_axis: Floats) -> Floats:

@@ -47,6 +47,18 @@ def balls_gap(hand: Any, a: int, pose_a: np.ndarray, b: int, pose_b: np.ndarray)
 
 
 @entry
+def least_gap(
+    hand: Any, a: int, b: int, poses: np.ndarray, enough: float, relative: np.ndarray
+) -> float:
+    """Least gap [m] between two bodies over link poses (n, l, 4, 4); `enough` when beyond."""
+    best = enough
+    for row in range(poses.shape[0]):
+        pose_a, pose_b = poses[row, hand.body_link[a]], poses[row, hand.body_link[b]]
+        best = bodies_gap(hand, a, pose_a, b, pose_b, best, relative)
+    return best
+
+
+@inner
 def bodies_gap(
     hand: Any,
     a: int,
