@@ -9,11 +9,13 @@ from medkit.planar.closure import (
     primitive_wrenches,
     volume,
 )
+from medkit.planar.disks import MedialAxis
 from medkit.planar.filters import filter_lambda, filter_object_angle, filter_scale
 from medkit.planar.materials import MATERIALS, MaterialPair, material
-from medkit.planar.medial import MedialAxis, medial_axis
+from medkit.planar.medial import medial_axis
 from medkit.planar.outlines import Outline, SmoothOutline, outline_from_loops, smooth_outline
 from medkit.planar.regions import EdgePair, antipodal_pairs, force_closure_pairs
+from medkit.planar.settings import SqueezeSettings
 from medkit.planar.shapes import (
     banana,
     ellipse,
@@ -28,7 +30,7 @@ from medkit.planar.shapes import (
     triangle,
     wedge,
 )
-from medkit.planar.squeezing import SqueezeResult, SqueezeSettings, squeeze
+from medkit.planar.squeezing import SqueezeResult, squeeze
 from medkit.planar.studies import (
     PhaseDiagram,
     agreement,

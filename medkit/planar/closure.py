@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from medkit import quality
+from medkit.contacts import Contacts
 from medkit.geometry import Floats, points_array
 from medkit.planar.outlines import Outline
 
@@ -185,13 +186,19 @@ def primitive_wrenches(
     -------
     ndarray, shape (2 n, 3)
         Forces [N] and torque over length [N].
+
+    Raises
+    ------
+    InputError
+        For shapes, normals or friction out of their range.
     """
-    place, normal = points_array(points, 2), points_array(normals, 2, "normals")
-    side = np.column_stack([-normal[:, 1], normal[:, 0]])
-    force = np.stack([normal + friction * side, normal - friction * side], axis=1).reshape(-1, 2)
-    arm = np.repeat(place - outline.center_mass, 2, axis=0)
-    torque = arm[:, 0] * force[:, 1] - arm[:, 1] * force[:, 0]
-    return np.column_stack([force, torque / outline.characteristic_length])
+    contacts = Contacts(
+        points_array(points, 2), points_array(normals, 2, "normals"), friction=friction
+    )
+    wrenches = contacts.wrenches(
+        torque_origin=outline.center_mass, torque_scale=outline.characteristic_length
+    )
+    return wrenches.reshape(-1, 3)
 
 
 def _torques(

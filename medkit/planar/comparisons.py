@@ -12,9 +12,9 @@ from scipy.spatial import Voronoi
 from medkit.errors import InputError
 from medkit.geometry import Floats, points_array
 from medkit.planar.bounds import min_friction, min_object_angle
-from medkit.planar.medial import MedialAxis, angle_between
+from medkit.planar.disks import MedialAxis, angle_between
 from medkit.planar.outlines import Outline, SmoothOutline
-from medkit.planar.squeezing import SqueezeSettings
+from medkit.planar.settings import SqueezeSettings
 from medkit.planar.studies import simulated_critical_friction
 
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from medkit.errors import InputError
 from medkit.geometry import nonnegative
-from medkit.planar.medial import MedialAxis
+from medkit.planar.disks import MedialAxis
 
 
 def filter_object_angle(axis: MedialAxis, min_angle: float) -> MedialAxis:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pymunk
@@ -11,9 +11,7 @@ import pymunk
 from medkit.errors import InputError
 from medkit.geometry import Floats
 from medkit.planar.outlines import Outline, SmoothOutline
-
-if TYPE_CHECKING:
-    from medkit.planar.squeezing import SqueezeSettings
+from medkit.planar.settings import SqueezeSettings
 
 #: The engine works in lengths of a hundredth of the object's characteristic length.
 UNITS = 100.0

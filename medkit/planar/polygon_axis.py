@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from medkit.geometry import Floats
+from medkit.planar.disks import Ints, MedialAxis, angle_between, node_disk
 from medkit.planar.envelope import (
     TINY,
     Sites,
@@ -17,7 +18,6 @@ from medkit.planar.envelope import (
     seen_from_edge,
     sites_from_outline,
 )
-from medkit.planar.medial import Ints, MedialAxis, angle_between, node_disk
 from medkit.planar.outlines import Outline
 
 #: Ends of arcs closer than this, relative to the outline's size, are one node.

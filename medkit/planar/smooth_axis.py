@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from medkit.geometry import Floats
-from medkit.planar.medial import MedialAxis, angle_between, node_disk
+from medkit.planar.disks import MedialAxis, angle_between, node_disk
 from medkit.planar.outlines import SmoothOutline
 
 TURN = 2.0 * np.pi

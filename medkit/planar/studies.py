@@ -16,10 +16,12 @@ from tqdm import tqdm
 from medkit.geometry import Floats
 from medkit.planar.bounds import is_antipodal, min_friction
 from medkit.planar.closure import is_force_closure
-from medkit.planar.medial import MedialAxis, medial_axis
+from medkit.planar.disks import MedialAxis
+from medkit.planar.medial import medial_axis
 from medkit.planar.outlines import Outline
+from medkit.planar.settings import DEFAULTS, SqueezeSettings
 from medkit.planar.shapes import wedge
-from medkit.planar.squeezing import DEFAULTS, SqueezeSettings, squeeze
+from medkit.planar.squeezing import squeeze
 
 
 def simulated_critical_friction(

@@ -13,8 +13,8 @@ from scipy.spatial import ConvexHull
 
 from medkit.planar.bounds import cone_half_angle, is_antipodal, min_object_angle
 from medkit.planar.closure import epsilon, is_force_closure, primitive_wrenches
+from medkit.planar.disks import MedialAxis
 from medkit.planar.materials import MATERIALS
-from medkit.planar.medial import MedialAxis
 from medkit.planar.outlines import Outline
 from medkit.planar.regions import EdgePair
 from medkit.viz.style import (

@@ -70,6 +70,18 @@ def test_primitive_wrenches_span_the_hull_that_epsilon_measures():
     assert radius == pytest.approx(-ConvexHull(wrenches).equations[:, -1].max())
 
 
+def test_primitive_wrenches_are_force_and_torque_of_the_cone_edges():
+    outline, rng = planar.l_shape(), np.random.default_rng(3)
+    points, angles = rng.normal(scale=0.05, size=(5, 2)), rng.uniform(0.0, 2.0 * np.pi, 5)
+    normals = np.column_stack([np.cos(angles), np.sin(angles)])
+    sides = np.column_stack([-normals[:, 1], normals[:, 0]])
+    forces = np.stack([normals + 0.4 * sides, normals - 0.4 * sides], axis=1).reshape(-1, 2)
+    arms = np.repeat(points - outline.center_mass, 2, axis=0) / outline.characteristic_length
+    torques = arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0]
+    wrenches = planar.primitive_wrenches(points, normals, friction=0.4, outline=outline)
+    assert wrenches == pytest.approx(np.column_stack([forces, torques]), abs=1e-12)
+
+
 @pytest.mark.parametrize(
     "outline", [planar.triangle(), planar.l_shape(), planar.star(), planar.frame()],
     ids=lambda outline: outline.name,
