@@ -22,6 +22,8 @@ from medkit.robots.hand import Hand
 CANDIDATES = 400
 #: Roll angles about each approach direction, 90 degrees apart (P13 5.1.3).
 ROLLS = 4
+#: Below this, 1 + the cosine between two approaches says that they are opposite [1].
+OPPOSITE = 1e-9
 #: A box is split while its halves' boxes take up less than this share of its volume.
 SPLIT_SHARE, DEEPEST = 0.90, 4
 
@@ -32,7 +34,9 @@ def surface_normal_candidates(
     """Candidates from the normals where rays from the bounding box hit (Berenson et al. 2007).
 
     Each face of the bounding box is sampled on a regular grid; a ray goes inwards from each
-    sample; where it first hits the surface, the hand approaches against the normal there.
+    sample; where it first hits the surface, the hand approaches against the normal there. The
+    normal says nothing about the turn of the hand: it is turned from the candidate before by the
+    shortest way (P13 4.6), and then by the roll angles.
 
     Parameters
     ----------
@@ -73,7 +77,40 @@ def surface_normal_candidates(
             break
         spacing *= float(np.clip(np.sqrt(max(len(points), 1) / (1.03 * wanted)), 0.5, 1.5))
         points, normals = _grid_hits(mesh, spacing)
-    return _rolled(points, -normals, rolls)
+    return _rolled(points, -normals, rolls, carried_axes(-normals))
+
+
+def carried_axes(approach: Floats) -> Floats:
+    """Closing axes of a hand that is turned from each approach to the next by the shortest way.
+
+    Parameters
+    ----------
+    approach : ndarray, shape (n, 3)
+        Unit directions, in the order in which they are tested.
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        Unit axes at right angles to them. Opposite directions follow by half a turn about the
+        axis itself.
+
+    Examples
+    --------
+    >>> ways = np.array([[0.0, 0, 1], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    >>> bool(abs(carried_axes(ways)[3] @ carried_axes(ways)[0]) < 1e-9)  # around a corner: turned
+    True
+    """
+    axes = np.empty_like(approach)
+    axis = perpendicular(approach[:1])[0] if len(approach) else np.zeros(3)
+    for k, ahead in enumerate(approach):
+        before = approach[max(k - 1, 0)]
+        turn = 1.0 + before @ ahead
+        if turn > OPPOSITE:
+            axis = axis - (axis @ ahead) / turn * (before + ahead)
+        axis = axis - (axis @ ahead) * ahead  # rounding must not add up
+        axis = axis / np.linalg.norm(axis)
+        axes[k] = axis
+    return axes
 
 
 def fitted_box_candidates(

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from medkit.errors import InputError
 from medkit.geometry import Floats, nonnegative, positive, unit
+from medkit.grasping.reach import way_out
 from medkit.grasping.special_solids import ball_directions, opposing_chords
 from medkit.medial.axis import MedialAxis
 from medkit.medial.filters import MIN_OBJECT_ANGLE
@@ -166,12 +167,15 @@ def candidates_from_axis(
     part = axis.select(kept)
     symmetry = local_symmetry(MedialSphereGrid.from_axis(part), search_radius)
     fate[kept] = _fates(part, symmetry, largest, hand_radii)
+    across = _inwards(part, symmetry)
+    buried = _buried(axis, part, across, fate[kept] == SphereFate.RIM, search_radius)
+    fate[kept[buried]] = SphereFate.INSIDE_SHEET
     solids = _special_solids(axis, part, fate, kept, search_radius)
     parts = [
         _around_axes(
             part, symmetry, kept, np.flatnonzero(fate[kept] == SphereFate.AXIS), axis_steps
         ),
-        _across_rims(part, symmetry, kept, np.flatnonzero(fate[kept] == SphereFate.RIM)),
+        _across_rims(part, symmetry, kept, np.flatnonzero(fate[kept] == SphereFate.RIM), across),
         *solids,
     ]
     return _joined(parts, axis, fate)
@@ -227,13 +231,32 @@ def _around_axes(
     return np.repeat(kept[rows], 2 * steps), approach, closing
 
 
-def _across_rims(part: MedialAxis, symmetry: LocalSymmetry, kept: Ints, rows: Ints) -> Rows:
-    """From outside across the rim, towards the centroid of the neighbourhood (P13 4.4.2)."""
-    inwards = np.einsum("ij,ij->i", symmetry.e2[rows], symmetry.centroid[rows] - part.centers[rows])
-    approach = np.where(inwards < 0.0, -1.0, 1.0)[:, None] * symmetry.e2[rows]
+def _inwards(part: MedialAxis, symmetry: LocalSymmetry) -> Floats:
+    """Across the rim towards the centroid of the neighbourhood, (n, 3) (P13 4.15)."""
+    inwards = np.einsum("ij,ij->i", symmetry.e2, symmetry.centroid - part.centers)
+    return np.asarray(np.where(inwards < 0.0, -1.0, 1.0)[:, None] * symmetry.e2)
+
+
+def _buried(
+    axis: MedialAxis, part: MedialAxis, across: Floats, rim: NDArray[np.bool_], radius: float
+) -> Ints:
+    """Rows at the end of a sheet of centres that is no rim of the object: no way from outside.
+
+    The limit on the object angle cuts sheets off in the middle of thick bodies. Seen from there
+    the object goes on for more than the neighbourhood, or begins again.
+    """
+    rows = np.flatnonzero(rim)
+    depth, free = way_out(axis, part.centers[rows], -across[rows])
+    return rows[(depth > part.radii[rows] + radius) | ~free]
+
+
+def _across_rims(
+    part: MedialAxis, symmetry: LocalSymmetry, kept: Ints, rows: Ints, across: Floats
+) -> Rows:
+    """From outside across the rim (P13 4.4.2)."""
     rim = _outwards(symmetry.e1[rows], part, rows)
     closing = np.stack([rim, -rim], axis=1).reshape(-1, 3)
-    return np.repeat(kept[rows], 2), np.repeat(approach, 2, axis=0), closing
+    return np.repeat(kept[rows], 2), np.repeat(across[rows], 2, axis=0), closing
 
 
 def _outwards(directions: Floats, part: MedialAxis, rows: Ints) -> Floats:

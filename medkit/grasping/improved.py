@@ -1,25 +1,30 @@
 """``medial-plus``: the published candidates, guided by touch points and free space (not in P13).
 
-Four changes, each for a reason that holds for every object and hand: the fingers straddle the two
-touch points of a sphere; the palm comes only from where nothing is in its way; candidates are drawn
-one by one instead of sphere by sphere; and each is tried at a few distances from the palm, the
-published one first. The last is a local search: one candidate of this planner costs several
-closings of the published one.
+Four changes, each for a reason that holds for every object and hand: the fingers of a power grasp
+straddle the two touch points of a sphere; a candidate is dropped before any closing where palm or
+fingers would stand in the object, or where the sphere is a detail of a thicker part; candidates are
+drawn one by one instead of sphere by sphere; and each is tried in a few ways, the published one
+first. The last is a local search: one candidate of this planner costs four or five closings of the
+published one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from copy import copy
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from medkit.errors import InputError
 from medkit.geometry import Floats, unit
 from medkit.grasping.candidates import CandidateGrasps, SphereFate, candidates_from_axis
 from medkit.grasping.grasp_set import START_COLLISION, Grasp
-from medkit.grasping.planners import sphere_numbers
+from medkit.grasping.planners import radii_for, sphere_numbers
+from medkit.grasping.power import PowerCloser
+from medkit.grasping.reach import blocked, local_thickness, way_out
 from medkit.grasping.stopwatch import Stopwatch
 from medkit.grasping.testers import PowerTester
 from medkit.medial.axis import MedialAxis, medial_axis
@@ -35,12 +40,18 @@ AXIS_STEPS = 8
 RIM_TURNS = np.radians([-45.0, 0.0, 45.0])
 #: Half the width of the way that the palm needs, over the largest radius that the hand encloses.
 PALM_SHARE = 0.5
+#: Candidates that are looked at; P13 tests about 300 an object.
+MOST = 4000
+#: Half the thickness of a finger, over that radius.
+FINGER_SHARE = 0.2
+#: A sphere whose centre lies in another one so many times as large is a detail of a thicker part.
+DETAIL = 1.5
 #: How far a power grasp stands back from where the palm meets the object, as shares of the
 #: largest radius that the hand encloses.
 STAND_BACK = (1.0 / 3.0, 2.0 / 3.0, 1.0)
-#: Where the point of a precision grasp goes along the approach, as shares of the largest radius
-#: that the hand encloses less the sphere's own.
-PAD_DEPTHS = (1.0, -0.5)
+#: How much wider the pads open than published, beside thin parts they need room; and how far they
+#: stand back, as a share of that radius.
+WIDE, PAD_BACK = 1.5, 0.2
 
 
 def improved_candidates(
@@ -79,24 +90,73 @@ def improved_candidates(
     """
     axis = medial_axis(mesh)
     watch.lap("medial")
-    least = 0.0 if grasp == "precision" else hand.min_sphere_radius
     published = candidates_from_axis(
         axis,
         search_radius=search_radius,
         min_radius_ratio=min_radius_ratio,
-        hand_radii=(least, hand.max_sphere_radius),
+        hand_radii=radii_for(hand, grasp),
         axis_steps=AXIS_STEPS,
     )
-    found = straddle(published, axis)
-    depth = depth_of_object(
-        sample_surface(mesh).points,
-        found.grasp_point,
-        found.approach,
-        width=PALM_SHARE * hand.max_sphere_radius,
-    )
-    free = depth <= hand.max_sphere_radius
+    found = _thinned(straddle(published, axis) if grasp == "power" else published)
     # where no way is free, the published ones: the closing tells what they are worth
-    return found.select(np.flatnonzero(free)) if free.any() else published
+    met = conditions_met(found, axis, sample_surface(mesh).points, room=hand.max_sphere_radius)
+    return found.select(np.flatnonzero(met)) if met.any() else published
+
+
+def _thinned(found: CandidateGrasps) -> CandidateGrasps:
+    """Those of every so-manieth sphere, where there are many more than anyone tests."""
+    spheres = np.unique(found.sphere)
+    stride = -(-len(found) // MOST) if len(found) else 1
+    return found.select(np.flatnonzero(np.isin(found.sphere, spheres[::stride])))
+
+
+def conditions_met(
+    found: CandidateGrasps, axis: MedialAxis, surface: Floats, *, room: float
+) -> NDArray[np.bool_]:
+    """Whether the hand has room at each candidate, judged without closing it.
+
+    Parameters
+    ----------
+    found : CandidateGrasps
+        Candidates.
+    axis : MedialAxis
+        All spheres of the object.
+    surface : ndarray, shape (n, 3)
+        Samples of the surface [m].
+    room : float
+        Largest radius that the hand encloses [m].
+
+    Returns
+    -------
+    ndarray of bool, shape (m,)
+        True where the sphere is no detail of a thicker part, the palm comes from outside and as
+        near as the hand encloses, and nothing stands where the fingers go.
+    """
+    detail = local_thickness(axis, found.grasp_point) > DETAIL * found.radius
+    met = ~detail
+    rows = np.flatnonzero(met)
+    depth, free = way_out(axis, found.grasp_point[rows], -found.approach[rows])
+    met[rows] = free & (depth <= found.radius[rows] + room)
+    rows = np.flatnonzero(met)
+    back = depth_of_object(
+        surface, found.grasp_point[rows], found.approach[rows], width=PALM_SHARE * room
+    )
+    met[rows] = back <= room
+    rows = np.flatnonzero(met)
+    met[rows] = ~blocked(axis, finger_places(found.select(rows), room))
+    return met
+
+
+def finger_places(found: CandidateGrasps, room: float) -> Floats:
+    """Where the fingers of each candidate go, on both sides of its sphere, (m, 6, 3) [m]."""
+    side = np.cross(found.approach, found.closing_axis)
+    aside = (found.radius + FINGER_SHARE * room)[:, None] * side
+    places = [
+        found.grasp_point + sign * aside - share * room * found.approach
+        for sign in (1.0, -1.0)
+        for share in (1.0, 0.5, 0.0)
+    ]
+    return np.stack(places, axis=1)
 
 
 def straddle(found: CandidateGrasps, axis: MedialAxis) -> CandidateGrasps:
@@ -199,7 +259,7 @@ def spread_candidates(
 
 
 class SearchingTester:
-    """Tests each candidate at a few depths in the palm and keeps the best.
+    """Tests each candidate in a few ways and keeps the best.
 
     Parameters
     ----------
@@ -212,6 +272,9 @@ class SearchingTester:
     def __init__(self, tester: Any, room: float) -> None:
         self.tester = tester
         self.room = room
+        self.power = isinstance(tester, PowerTester)
+        self.other = _fingers_reversed(tester) if self.power else _wider_open(tester)
+        self._finger_of = tester.closer.hand.finger_of_link()
 
     @classmethod
     def around(cls, tester: Any, hand: Hand) -> SearchingTester:
@@ -233,27 +296,49 @@ class SearchingTester:
         """The best of the tried grasps, the first among equals, and the time of all qualities."""
         first, spent = self.tester.test(point, approach, closing_axis, radius)
         tried, times = [first], [spent]
-        for step in self._steps(first, radius):
-            moved = point + step * approach
-            grasp, spent = self.tester.test(moved, approach, closing_axis, radius)
+        for tester, step in self._ways(first):
+            grasp, spent = tester.test(point + step * approach, approach, closing_axis, radius)
             tried.append(grasp)
             times.append(spent)
         best = max(tried, key=lambda grasp: grasp.epsilon)
         return replace(best, grasp_point=point), sum(times)
 
-    def _steps(self, first: Grasp, radius: float) -> list[float]:
-        """How far to move the point along the approach [m] after the grasp of the published one.
+    def _ways(self, first: Grasp) -> list[tuple[Any, float]]:
+        """What to try after the published grasp: testers, and how far the point moves [m]."""
+        if not self.power:
+            back = -PAD_BACK * self.room
+            return [(self.other, 0.0), (self.tester, back), (self.other, back)]
+        if first.outcome == START_COLLISION:
+            return []
+        ways = [(self.tester, step) for step in self._steps(first)]
+        touching = {self._finger_of.get(name) for name in first.links}
+        idle = len(touching - {None}) < len(self.tester.closer.hand.fingers)
+        return [*ways, (self.other, 0.0)] if idle else ways
+
+    def _steps(self, first: Grasp) -> list[float]:
+        """How far to move the point along the approach [m] to stand back from the object.
 
         A power grasp ends with the palm on the object: a deeper point ends there as well, and one
         less deep only counts from where the hand was drawn back to.
         """
-        if not isinstance(self.tester, PowerTester):
-            return [share * max(self.room - radius, 0.0) for share in PAD_DEPTHS]
-        if first.outcome == START_COLLISION:
-            return []
         palm = (first.pose @ self.tester.closer.hand.T_hand_power)[:3, 3]
         drawn_back = float((first.grasp_point - palm) @ first.approach)
         return [-drawn_back - share * self.room for share in STAND_BACK]
+
+
+def _fingers_reversed(tester: PowerTester) -> PowerTester:
+    """The same tests with the fingers closing in reverse order: one may have barred another."""
+    closer = tester.closer
+    order = tuple(finger.name for finger in closer.hand.fingers)[::-1]
+    return PowerTester(PowerCloser(closer.hand, closer.field, finger_order=order), tester.quality)
+
+
+def _wider_open(tester: Any) -> Any:
+    """The same precision tests with the pads further apart."""
+    wide = copy(tester)
+    wide.closer = copy(tester.closer)
+    wide.closer.opening_factor = WIDE * tester.closer.opening_factor
+    return wide
 
 
 def _together(first: CandidateGrasps, second: CandidateGrasps) -> CandidateGrasps:

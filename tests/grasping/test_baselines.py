@@ -8,6 +8,7 @@ import trimesh
 from medkit.errors import InputError
 from medkit.geometry import rotation_about
 from medkit.grasping.baselines import (
+    carried_axes,
     fitted_box_candidates,
     fitted_boxes,
     joined_candidates,
@@ -99,3 +100,27 @@ def test_joining_keeps_every_candidate_and_its_place():
 def test_nothing_asked_for_is_refused():
     with pytest.raises(InputError, match="at least one"):
         surface_normal_candidates(BALL, candidates=0)
+
+
+def test_a_hand_is_turned_from_one_approach_to_the_next_by_the_shortest_way():
+    rng = np.random.default_rng(0)
+    ways = rng.normal(size=(30, 3))
+    ways /= np.linalg.norm(ways, axis=1)[:, None]
+    axes = carried_axes(ways)
+    for k in range(1, len(ways)):
+        turn = np.cross(ways[k - 1], ways[k])
+        angle = np.arctan2(np.linalg.norm(turn), ways[k - 1] @ ways[k])
+        shortest = rotation_about(turn / np.linalg.norm(turn), angle)
+        np.testing.assert_allclose(axes[k], shortest @ axes[k - 1], atol=1e-9)
+
+
+def test_a_hand_does_not_turn_while_the_approach_stays_or_is_reversed():
+    ways = np.array([[0.0, 0.6, 0.8]] * 4 + [[0.0, -0.6, -0.8]])
+    axes = carried_axes(ways)
+    np.testing.assert_allclose(axes, np.repeat(axes[:1], 5, axis=0), atol=1e-12)
+
+
+def test_around_the_corner_of_a_box_the_hand_ends_up_turned_by_a_right_angle():
+    # the octant of a ball has an excess of a right angle: what a hand carried around it gains
+    axes = carried_axes(np.array([[0.0, 0, 1], [1, 0, 0], [0, 1, 0], [0, 0, 1]]))
+    assert abs(axes[3] @ axes[0]) < 1e-12

@@ -6,9 +6,17 @@ import numpy as np
 import pytest
 import trimesh
 
+from medkit.datasets.objects import load_object
 from medkit.errors import InputError
 from medkit.geometry import apply, random_rotation, transform
-from medkit.grasping import SphereFate, candidates_from_axis, medial_axis
+from medkit.grasping import (
+    SphereFate,
+    candidates_from_axis,
+    medial_axis,
+    medial_axis_from_surface,
+    sample_surface,
+)
+from medkit.grasping.reach import way_out
 from medkit.grasping.special_solids import BALL_ROLLS, ball_directions, opposing_chords
 
 
@@ -138,3 +146,31 @@ def test_bad_parameters_are_refused():
         candidates_from_axis(axis, search_radius=0.03, min_radius_ratio=1.5)
     with pytest.raises(InputError, match="search_radius"):
         candidates_from_axis(axis, search_radius=0.0)
+
+
+def test_no_hand_comes_through_one_part_to_the_rim_of_another():
+    # two plates in one plane: between them there is no outside
+    one = trimesh.creation.box([0.1, 0.16, 0.02])
+    other = one.copy()
+    other.apply_translation([0.13, 0.0, 0.0])
+    axis = medial_axis_from_surface(sample_surface(trimesh.util.concatenate([one, other])))
+    found = candidates_from_axis(axis, search_radius=0.03)
+    assert set(found.kind) == {SphereFate.RIM}
+    x = found.grasp_point[:, 0]
+    across = np.abs(found.approach[:, 0]) > 0.9
+    between = (x > 0.0) & (x < 0.13)
+    assert (across & ~between).sum() > 20
+    assert not (across & between).any()
+
+
+def test_a_rim_ends_with_the_object_within_its_neighbourhood():
+    # in a thick body the limit on the object angle cuts sheets off far from any rim
+    mesh = load_object("bust")
+    axis = medial_axis(mesh)
+    for radius in (0.03, 0.06):
+        found = candidates_from_axis(axis, search_radius=radius)
+        rim = found.select(np.flatnonzero(found.kind == SphereFate.RIM))
+        depth, free = way_out(axis, rim.grasp_point, -rim.approach)
+        assert len(rim) > 100
+        assert free.all()
+        assert (depth <= rim.radius + radius).all()

@@ -13,13 +13,19 @@ from medkit.errors import InputError
 from medkit.geometry import random_rotation
 from medkit.grasping import SphereFate, candidates_from_axis, medial_axis, plan_grasps
 from medkit.grasping.improved import (
+    DETAIL,
+    MOST,
     SearchingTester,
+    conditions_met,
     depth_of_object,
+    finger_places,
     improved_candidates,
     spread_candidates,
     straddle,
 )
 from medkit.grasping.planners import Quality, power_tester
+from medkit.grasping.precision import precision_tester
+from medkit.grasping.reach import blocked, local_thickness
 from medkit.grasping.stopwatch import Stopwatch
 from medkit.meshes import mass_properties
 from medkit.robots import load_hand
@@ -157,7 +163,7 @@ def test_the_search_stands_back_from_the_object_and_not_from_the_grasp_point(pla
     row = (np.zeros(3), np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0]), 0.01)
     first = tester.test(*row)[0]
     heights = [first.pose[2, 3]]
-    for step in search._steps(first, 0.01):
+    for step in search._steps(first):
         heights.append(tester.test(row[0] + step * row[1], *row[1:])[0].pose[2, 3])
     np.testing.assert_allclose(-np.diff(heights), hand.max_sphere_radius / 3.0, atol=1e-9)
 
@@ -175,3 +181,74 @@ def test_the_plan_is_the_same_twice_and_in_two_processes(plate, hand):
     for other in plans[1:]:
         assert [g.epsilon for g in other.grasps] == [g.epsilon for g in plans[0].grasps]
         np.testing.assert_array_equal([g.q for g in other.grasps], [g.q for g in plans[0].grasps])
+
+
+@pytest.fixture(scope="module")
+def fork():
+    """Two thin bars side by side along z, joined at one end."""
+    bars = [trimesh.creation.capsule(0.16, 0.008) for _ in range(2)]
+    bars[0].apply_translation([0.015, 0.0, 0.0])
+    bars[1].apply_translation([-0.015, 0.0, 0.0])
+    bridge = trimesh.creation.box([0.03, 0.016, 0.016])
+    bridge.apply_translation([0.0, 0.0, 0.08])
+    return medial_axis(trimesh.boolean.union([*bars, bridge], engine="manifold"))
+
+
+def test_no_candidate_is_a_detail_or_has_its_fingers_in_the_object(fork, hand):
+    published = candidates_from_axis(fork, search_radius=0.02)
+    room = hand.max_sphere_radius
+    met = conditions_met(published, fork, fork.touch_points[:, 0], room=room)
+    kept = published.select(np.flatnonzero(met))
+    assert 0.2 < met.mean() < 0.9
+    assert (local_thickness(fork, kept.grasp_point) <= DETAIL * kept.radius).all()
+    assert not blocked(fork, finger_places(kept, room)).any()
+
+
+def test_no_palm_comes_from_between_two_bars(fork, hand):
+    published = candidates_from_axis(fork, search_radius=0.02)
+    bars = np.abs(published.grasp_point[:, 2]) < 0.05
+    # a way that slants by more than 15 degrees passes the other bar
+    across = published.approach[:, 0] * np.sign(published.grasp_point[:, 0])
+    surface = fork.touch_points[:, 0]
+    met = conditions_met(published, fork, surface, room=hand.max_sphere_radius)
+    assert (bars & (across > 0.97)).sum() > 50
+    assert not met[bars & (across > 0.97)].any()
+    assert met[bars & (across < -0.97)].mean() > 0.9
+
+
+def test_many_candidates_are_thinned_by_whole_spheres(hand):
+    bar = trimesh.creation.capsule(0.2, 0.02)
+    found = improved_candidates(bar, hand, watch=Stopwatch(), **SETTINGS)
+    assert 0.5 * MOST < len(found) <= MOST
+    assert np.ptp(found.grasp_point[:, 2]) > 0.18
+    assert np.unique(np.bincount(found.sphere)).tolist() == [0, 16]
+
+
+def test_the_search_of_precision_grasps_is_never_worse_and_opens_wider(hand):
+    rod = trimesh.creation.capsule(0.12, 0.012)
+    body = mass_properties(rod)
+    quality = Quality(0.5, body.center_mass, body.torque_scale)
+    tester = precision_tester(hand, np.asarray(rod.triangles), quality)
+    search = SearchingTester.around(tester, hand)
+    assert search.other.closer.opening_factor > tester.closer.opening_factor
+    held = 0
+    for height in (-0.04, 0.0, 0.04):
+        row = (np.array([0.0, 0.0, height]), np.array([1.0, 0, 0]), np.array([0, 0, 1.0]), 0.012)
+        plain, searched = tester.test(*row)[0], search.test(*row)[0]
+        assert searched.epsilon >= plain.epsilon
+        held += searched.epsilon > 0.0
+    assert held > 0
+
+
+def test_a_finger_that_another_bars_may_close_first(hand):
+    # around a bar the thumb bars index and middle finger: in the other order they close
+    bar = trimesh.creation.capsule(0.16, 0.012)
+    body = mass_properties(bar)
+    quality = Quality(0.5, body.center_mass, body.torque_scale)
+    search = SearchingTester.around(power_tester(hand, np.asarray(bar.triangles), quality), hand)
+    row = (np.zeros(3), np.array([1.0, 0, 0]), np.array([0, 0, 1.0]), 0.012)
+    first = search.tester.test(*row)[0]
+    other = search.other.test(*row)[0]
+    touching = [len({name.split()[0] for name in grasp.links}) for grasp in (first, other)]
+    assert touching[1] > touching[0]
+    assert search.other in [tester for tester, _ in search._ways(first)]
