@@ -187,10 +187,10 @@ def wrench_cones(
     starts on the ellipsoid ``|f_t|^2 / mu^2 + torsion^2 / (2/3 mu a)^2 = f_n^2``. In the plane
     torsion has no part, so a soft finger equals a point.
     """
+    check_model(contact)
     origin = checked_origin(torque_origin, contacts.dimension)
     scale = positive(torque_scale, "torque_scale", " m")
     patch = positive(patch_radius, "patch_radius", " m") if contact == "soft" else 0.0
-    check_model(contact)
     n, d = contacts.points.shape
     centers = np.empty((n, 3 * (d - 1)))
     axes = np.empty((n, axis_count(d, contact), 3 * (d - 1)))
@@ -314,7 +314,7 @@ def fill_cones(points, normals, friction, patch, origin, scale, centers, axes): 
 
 def check_model(contact: Any) -> None:
     """Refuse a contact model that is none of the three."""
-    if contact not in ("point", "frictionless", "soft"):
+    if not isinstance(contact, str) or contact not in ("point", "frictionless", "soft"):
         raise InputError(
             f"Expected contact to be 'point', 'frictionless' or 'soft', but got {contact!r};"
             " use one of the three."
@@ -323,7 +323,13 @@ def check_model(contact: Any) -> None:
 
 def checked_origin(torque_origin: ArrayLike, dimension: int) -> Floats:
     """Check the point torques are taken about and return it as floats, shape (dimension,)."""
-    origin = np.array(torque_origin, dtype=float)
+    try:
+        origin = np.array(torque_origin, dtype=float)
+    except (TypeError, ValueError):
+        raise InputError(
+            f"Expected torque_origin to be {dimension} numbers, but got {str(torque_origin)[:40]};"
+            " pass a point [m]."
+        ) from None
     if origin.shape == (dimension,) and isfinite(origin.sum()):
         return origin
     return points_array(origin.reshape(1, -1), dimension, "torque_origin")[0]

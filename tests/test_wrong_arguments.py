@@ -1,5 +1,7 @@
 """A wrong argument gets one sentence: what was expected, what came, what to do."""
 
+import inspect
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -154,3 +156,76 @@ def test_what_came_is_named_in_few_words(value, named):
 def test_what_is_right_comes_back_as_it_is():
     value = {"a": 1}
     assert expected(value, dict, "a dictionary", "pass {}") is value
+
+
+#: What one may pass by mistake in place of anything: the law is that no argument lets it through to
+#: an error that says nothing.
+WRONG = {
+    "a word": "x", "nothing": None, "NaN": float("nan"), "a negative number": -1.0,
+    "a dictionary": {"a": object()}, "ragged rows": [[0, 1], [2]], "an object": object(),
+    "NaN in an array": np.full(3, np.nan),
+}  # fmt: skip
+
+PINCH = {"points": [[-0.04, 0.0], [0.04, 0.0]], "normals": [[1.0, 0.0], [-1.0, 0.0]]}
+CIRCLE = [[np.cos(t), np.sin(t)] for t in np.arange(0.0, 6.0, 0.3)]
+QUICK = planar.SqueezeSettings(push_steps=2, settle_steps=2)
+#: One right value for each name of an argument, and for a function where the name means another.
+RIGHT = PINCH | {
+    "friction": 0.5, "torque_origin": [0.0, 0.0], "torque_scale": 0.04, "edges": 8, "norm": "l1",
+    "contact": "point", "patch_radius": 0.005, "tolerance": 0.01, "largest": 100.0, "limit": 20,
+    "wrenches": np.vstack([np.eye(3), -np.ones((1, 3))]), "outline": planar.rectangle(),
+    "outlines": [planar.rectangle()], "frictions": {"steel": 0.5}, "disks": 1, "settings": QUICK,
+    "jobs": 1, "length": 0.1, "thickness": 0.02, "width": 0.08, "height": 0.04, "size": 0.08,
+    "axis": planar.medial_axis(SQUARE), "min_span": 0.01, "min_angle": 1.0, "scale": 1.1,
+    "object_angle": 2.0, "object_angles": [2.0], "first": "metals", "second": "wood",
+    "spacing": 0.01, "outer": SQUARE, "holes": (), "name": "shape", "progress": False,
+    "rng": np.random.default_rng(0), "radius": 0.03, "roughness": 0.3, "corners": 5,
+    "p1": [-0.04, 0.0], "p2": [0.04, 0.0], "low": 0.1, "high": 1.0, "samples": 64,
+    "coefficients": [0.0, 0.03, 0.001], "harmonics": 4, "fixture": "points", "offset": 0.0,
+    "frames": 0, "inner_ratio": 0.5, "angles_deg": (30.0, 80.0), "base": 0.08,
+    "epsilon_many": {name: [rows] for name, rows in PINCH.items()},
+    "antipodal_pairs": {"outline": planar.ellipse()}, "phase_diagram": {"frictions": [0.5]},
+    "star": {"points": 5}, "smooth_through": {"points": CIRCLE},
+}  # fmt: skip
+
+
+def public_arguments(*rooms):
+    for room in rooms:
+        for name in room.__all__:
+            function = getattr(room, name)
+            if not inspect.isfunction(function):
+                continue
+            for argument in inspect.signature(function).parameters.values():
+                if argument.kind is not argument.VAR_KEYWORD:
+                    yield pytest.param(function, argument.name, id=f"{name}-{argument.name}")
+
+
+def right_arguments(function):
+    known = RIGHT | RIGHT.get(function.__name__, {})
+    names = inspect.signature(function).parameters.values()
+    return {one.name: known[one.name] for one in names if one.kind is not one.VAR_KEYWORD}
+
+
+@pytest.mark.parametrize(("function", "argument"), list(public_arguments(quality, planar)))
+def test_whatever_comes_is_used_or_refused_in_one_sentence(function, argument):
+    right = right_arguments(function)
+    refused = 0
+    for wrong in WRONG.values():
+        try:
+            function(**right | {argument: wrong})
+        except InputError as error:
+            text, refused = str(error), refused + 1
+            assert text.startswith("Expected "), text
+            assert text.endswith("."), text
+            assert "\n" not in text
+    # a name, a switch and what a frictionless test ignores are all that takes anything
+    free = ("name", "progress", "patch_radius", "edges", "torque_origin", "torque_scale")
+    assert refused or argument in free
+
+
+@pytest.mark.parametrize("room", [quality, planar])
+def test_the_right_arguments_of_the_law_are_right(room):
+    for name in room.__all__:
+        function = getattr(room, name)
+        if inspect.isfunction(function):
+            function(**right_arguments(function))

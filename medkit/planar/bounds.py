@@ -122,11 +122,12 @@ def is_antipodal(object_angle: float, *, friction: float) -> bool:
     Raises
     ------
     InputError
-        If `friction` is negative or not finite.
+        If `friction` or the angle is negative or not finite.
 
     Examples
     --------
     >>> is_antipodal(math.radians(100.0), friction=1.0)
     True
     """
-    return bool(object_angle > min_object_angle(friction))
+    angle = nonnegative(object_angle, "object_angle", " rad")
+    return bool(angle > min_object_angle(friction))

@@ -10,7 +10,9 @@ from numpy.typing import ArrayLike
 from medkit import quality
 from medkit.contacts import Contacts
 from medkit.geometry import Floats, points_array
-from medkit.planar.outlines import Outline
+from medkit.planar.arguments import choice
+from medkit.planar.arguments import place as checked_place
+from medkit.planar.outlines import Outline, checked_outline
 
 
 def is_force_closure(
@@ -122,6 +124,7 @@ def epsilon(
     0.57735
     """
     place, normal = points_array(points, 2), points_array(normals, 2, "normals")
+    choice(norm, ("l1", "linf"), "norm")
     origin, scale = _torques(place, outline, torque_origin, torque_scale)
     return quality.epsilon(
         place, normal, friction=friction, torque_origin=origin, torque_scale=scale, norm=norm
@@ -135,6 +138,7 @@ def volume(
 
     Torques are divided by the outline's characteristic length.
     """
+    outline = checked_outline(outline)
     return float(
         quality.volume(
             points_array(points, 2), points_array(normals, 2, "normals"), friction=friction,
@@ -192,6 +196,7 @@ def primitive_wrenches(
     InputError
         For shapes, normals or friction out of their range.
     """
+    outline = checked_outline(outline)
     contacts = Contacts(
         points_array(points, 2), points_array(normals, 2, "normals"), friction=friction
     )
@@ -204,8 +209,9 @@ def primitive_wrenches(
 def _torques(
     points: Floats, outline: Outline | None, origin: ArrayLike | None, scale: float | None
 ) -> tuple[Floats, float]:
+    outline = checked_outline(outline) if outline is not None else None
     if origin is not None:
-        about = np.asarray(origin, dtype=float)
+        about = checked_place(origin, "torque_origin")
     else:
         about = outline.center_mass if outline is not None else points.mean(axis=0)
     if scale is not None:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
-from medkit.geometry import Floats
+from medkit.geometry import Floats, expected
 from medkit.planar.outlines import Outline
 
 Ints = NDArray[np.int64]
@@ -98,6 +99,11 @@ class MedialAxis:
         first, last = self.branch_nodes[index]
         inner = self.centers[self.branch == index]
         return np.vstack([self.node_centers[first], inner, self.node_centers[last]])
+
+
+def checked_axis(axis: Any) -> MedialAxis:
+    """Return a medial axis as it is, or raise `InputError` that says how to make one."""
+    return expected(axis, MedialAxis, "a planar medial axis", "pass medial_axis(outline)")
 
 
 def angle_between(first: Floats, second: Floats) -> Floats:

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from medkit.errors import InputError
-from medkit.geometry import nonnegative
-from medkit.planar.disks import MedialAxis
+from medkit.geometry import nonnegative, positive
+from medkit.planar.disks import MedialAxis, checked_axis
 
 
 def filter_object_angle(axis: MedialAxis, min_angle: float) -> MedialAxis:
@@ -35,6 +35,7 @@ def filter_object_angle(axis: MedialAxis, min_angle: float) -> MedialAxis:
     -----
     Source: P13 3.2.2 and 4.2.3.
     """
+    axis = checked_axis(axis)
     return axis.keep(axis.object_angles >= nonnegative(min_angle, "min_angle", " rad") - 1e-9)
 
 
@@ -45,6 +46,7 @@ def filter_lambda(axis: MedialAxis, min_span: float) -> MedialAxis:
     -----
     The lambda medial axis of Chazal and Lieutier 2005. Source: P13 3.2.2.
     """
+    axis = checked_axis(axis)
     return axis.keep(axis.spans >= nonnegative(min_span, "min_span", " m"))
 
 
@@ -76,6 +78,7 @@ def filter_scale(axis: MedialAxis, scale: float) -> MedialAxis:
     The finite form of the scale axis transform of Giesen and others 2009: it chooses among the
     given disks instead of building the axis of the grown union. Source: P13 3.2.2.
     """
+    axis, scale = checked_axis(axis), positive(scale, "scale")
     if not scale >= 1.0:
         raise InputError(f"Expected a scale of 1 or more, but got {scale:g}; give a larger one.")
     radii = axis.radii * scale

@@ -72,7 +72,7 @@ def material(first: str, second: str) -> MaterialPair:
     >>> material("metals", "wood").high
     0.6
     """
-    for pair in MATERIALS:
+    for pair in MATERIALS if isinstance(first, str) and isinstance(second, str) else ():
         if {first, second} == {pair.first, pair.second}:
             return pair
     known = ", ".join(pair.name for pair in MATERIALS)

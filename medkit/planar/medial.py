@@ -5,9 +5,14 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from medkit.geometry import expected, positive
+from medkit.geometry import positive
 from medkit.planar.disks import MedialAxis
-from medkit.planar.outlines import Outline, SmoothOutline, outline_from_loops
+from medkit.planar.outlines import (
+    Outline,
+    SmoothOutline,
+    checked_outline,
+    outline_from_loops,
+)
 from medkit.planar.polygon_axis import polygon_medial_axis
 from medkit.planar.smooth_axis import smooth_medial_axis
 
@@ -53,8 +58,7 @@ def medial_axis(outline: Outline | ArrayLike, *, spacing: float | None = None) -
     """
     if isinstance(outline, list | tuple | np.ndarray):
         outline = outline_from_loops(outline)
-    remedy = "pass outline_from_loops(points) or a shape such as medkit.planar.rectangle()"
-    outline = expected(outline, Outline, "an outline", remedy)
+    outline = checked_outline(outline)
     step = outline.characteristic_length / 50 if spacing is None else positive(spacing, "spacing")
     if isinstance(outline, SmoothOutline):
         return smooth_medial_axis(outline, step)

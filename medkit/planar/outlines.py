@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from medkit.errors import InputError
-from medkit.geometry import Floats, points_array
+from medkit.geometry import Floats, expected, points_array
+from medkit.planar.arguments import whole
 
 
 @dataclass(frozen=True)
@@ -108,6 +110,12 @@ class Outline:
         return np.asarray(self.inward_normals[int(np.argmin(away))])
 
 
+def checked_outline(outline: Any) -> Outline:
+    """Return an outline as it is, or raise `InputError` that says how to make one."""
+    remedy = "pass outline_from_loops(points) or a shape such as medkit.planar.rectangle()"
+    return expected(outline, Outline, "an outline", remedy)
+
+
 def _cross(first: Floats, second: Floats) -> Floats:
     return np.asarray(first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0])
 
@@ -143,6 +151,8 @@ def outline_from_loops(
     >>> outline_from_loops([[0, 0], [2, 0], [2, 1], [0, 1]]).area
     2.0
     """
+    remedy = "pass a list of loops of points, or leave it out"
+    expected(holes, (list, tuple, np.ndarray), "a list of holes", remedy)
     loops = [_checked_loop(outer, "the outer loop", 1.0)]
     loops += [_checked_loop(hole, f"hole {i}", -1.0) for i, hole in enumerate(holes)]
     result = Outline(tuple(loops), name)
@@ -280,7 +290,10 @@ def smooth_outline(
     InputError
         If the number of coefficients is even, one is not finite, or the curve crosses itself.
     """
-    series = np.asarray(coefficients, dtype=complex)
+    try:
+        series = np.asarray(coefficients, dtype=complex)
+    except (TypeError, ValueError):
+        series = np.zeros(0, dtype=complex)
     if series.ndim != 1 or len(series) % 2 == 0 or len(series) < 3 or not np.isfinite(series).all():
         raise InputError(
             f"Expected an odd number of at least 3 finite Fourier coefficients, but got shape"
@@ -290,6 +303,7 @@ def smooth_outline(
     if (k * np.abs(series) ** 2).sum() < 0.0:
         series = series[::-1].copy()
     draft = SmoothOutline((np.zeros((0, 2)),), name, series)
-    turn = np.arange(samples) * (2.0 * np.pi / samples)
+    count = whole(samples, "samples", 3)
+    turn = np.arange(count) * (2.0 * np.pi / count)
     polygon = outline_from_loops(draft.curve(turn), name=name)
     return SmoothOutline(polygon.loops, name, series)

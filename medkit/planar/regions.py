@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import linprog
 
-from medkit.geometry import Floats
+from medkit.geometry import Floats, expected
 from medkit.planar.bounds import cone_half_angle
-from medkit.planar.outlines import Outline, SmoothOutline
+from medkit.planar.outlines import Outline, SmoothOutline, checked_outline
 
 
 @dataclass(frozen=True)
@@ -83,6 +83,7 @@ def force_closure_pairs(outline: Outline, *, friction: float) -> tuple[EdgePair,
     [(1, 3), (0, 2)]
     """
     beta = cone_half_angle(friction)
+    outline = checked_outline(outline)
     pairs = []
     for i in range(len(outline.starts)):
         for j in range(i + 1, len(outline.starts)):
@@ -180,6 +181,8 @@ def antipodal_pairs(outline: SmoothOutline) -> tuple[Floats, Floats]:
     >>> len(antipodal_pairs(ellipse())[0])
     2
     """
+    remedy = "pass a smooth outline, such as ellipse(); polygons have force_closure_pairs"
+    outline = expected(outline, SmoothOutline, "a smooth outline", remedy)
     count = 256
     grid: Floats = np.arange(count + 1, dtype=float) * (2 * np.pi / count)
     place, velocity = outline.curve(grid), outline.curve(grid, 1)

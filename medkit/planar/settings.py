@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
-from medkit.geometry import nonnegative, positive
+from medkit.geometry import expected, nonnegative, positive
 
 
 @dataclass(frozen=True)
@@ -58,3 +59,8 @@ class SqueezeSettings:
 
 
 DEFAULTS = SqueezeSettings()
+
+
+def checked_settings(settings: Any) -> SqueezeSettings:
+    """Return settings as they are, or raise `InputError` that says how to make them."""
+    return expected(settings, SqueezeSettings, "squeeze settings", "pass SqueezeSettings()")

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from medkit.errors import InputError
-from medkit.geometry import points_array, positive
+from medkit.geometry import expected, nonnegative, points_array, positive
+from medkit.planar.arguments import numbers, whole
 from medkit.planar.outlines import Outline, SmoothOutline, outline_from_loops, smooth_outline
 
 
@@ -27,9 +28,10 @@ def rectangle(width: float = 0.08, height: float = 0.04) -> Outline:
 def regular_polygon(corners: int, radius: float = 0.04) -> Outline:
     """Regular polygon with its `corners` at `radius` [m] from the origin, one of them on top."""
     size = positive(radius, "radius", " m")
-    turn = np.pi / 2 + 2 * np.pi * np.arange(int(corners)) / max(int(corners), 1)
+    count = whole(corners, "corners", 3)
+    turn = np.pi / 2 + 2 * np.pi * np.arange(count) / count
     return outline_from_loops(
-        size * np.column_stack([np.cos(turn), np.sin(turn)]), name=f"regular {corners}-gon"
+        size * np.column_stack([np.cos(turn), np.sin(turn)]), name=f"regular {count}-gon"
     )
 
 
@@ -41,7 +43,10 @@ def triangle(angles_deg: tuple[float, float] = (30.0, 80.0), base: float = 0.08)
     InputError
         If the angles leave nothing for the third.
     """
-    first, second = (math.radians(positive(angle, "angle", " deg")) for angle in angles_deg)
+    angles = numbers(angles_deg, "angles_deg")
+    if len(angles) != 2:
+        raise InputError(f"Expected two angles, but got {len(angles)}; pass (left, right) [deg].")
+    first, second = (math.radians(positive(angle, "angle", " deg")) for angle in angles)
     if first + second >= math.pi:
         raise InputError(
             f"Expected two angles of less than 180 deg together, but got {angles_deg};"
@@ -73,7 +78,8 @@ def t_shape(size: float = 0.08, thickness: float = 0.025) -> Outline:
 
 def star(points: int = 5, radius: float = 0.045, inner_ratio: float = 0.5) -> Outline:
     """Star with its tips at `radius` [m] and its notches at `inner_ratio` of it."""
-    turn = np.pi / 2 + np.pi * np.arange(2 * int(points)) / max(int(points), 1)
+    tips = whole(points, "points", 2)
+    turn = np.pi / 2 + np.pi * np.arange(2 * tips) / tips
     reach = positive(radius, "radius", " m") * np.where(
         np.arange(len(turn)) % 2 == 0, 1.0, positive(inner_ratio, "inner_ratio")
     )
@@ -144,7 +150,8 @@ def banana(length: float = 0.1, thickness: float = 0.03) -> SmoothOutline:
 def smooth_through(points: ArrayLike, harmonics: int = 8) -> SmoothOutline:
     """Smooth outline near points given in order around it, shape (n, 2) [m]."""
     array = points_array(points, 2)
-    return smooth_outline(_series(array[:, 0], array[:, 1], min(harmonics, (len(array) - 1) // 2)))
+    order = min(whole(harmonics, "harmonics"), (len(array) - 1) // 2)
+    return smooth_outline(_series(array[:, 0], array[:, 1], order))
 
 
 def _series(x: np.ndarray, y: np.ndarray, order: int) -> np.ndarray:
@@ -176,7 +183,10 @@ def random_smooth(
     InputError
         If `roughness` is out of range.
     """
-    if not 0.0 <= roughness <= 0.5:
+    remedy = "pass numpy.random.default_rng(seed)"
+    rng = expected(rng, np.random.Generator, "a random generator", remedy)
+    roughness = nonnegative(roughness, "roughness")
+    if roughness > 0.5:
         raise InputError(
             f"Expected a roughness from 0 to 0.5, but got {roughness:g}; choose a smaller one."
         )

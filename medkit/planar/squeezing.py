@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from medkit.errors import InputError
-from medkit.geometry import Floats, nonnegative, points_array
+from medkit.geometry import Floats, nonnegative
+from medkit.planar.arguments import choice, numbers, place, whole
 from medkit.planar.fixture import UNITS, Bench, build_bench
-from medkit.planar.outlines import Outline
-from medkit.planar.settings import DEFAULTS, SqueezeSettings
+from medkit.planar.outlines import Outline, checked_outline
+from medkit.planar.settings import DEFAULTS, SqueezeSettings, checked_settings
 
 Fixture = Literal["points", "flat jaws", "three fingers"]
+FIXTURES: tuple[str, ...] = get_args(Fixture)
 
 #: Motion and contact are looked at every so many steps.
 CHECK_EVERY = 4
@@ -115,11 +117,14 @@ def squeeze(
     >>> squeeze(rectangle(0.08, 0.04), [0, -0.02], [0, 0.02], friction=0.3).held
     True
     """
-    mu = nonnegative(friction, "friction")
-    contacts = points_array([np.asarray(p1), np.asarray(p2)], 2, "contact points")
+    outline, settings = checked_outline(outline), checked_settings(settings)
+    mu, frames = nonnegative(friction, "friction"), whole(frames, "frames", 0)
+    choice(fixture, FIXTURES, "fixture")
+    contacts = np.vstack([place(p1, "p1"), place(p2, "p2")])
+    shift = float(numbers(offset, "the offset")[0])
     _check_contacts(outline, contacts)
     bench = build_bench(
-        outline, contacts, friction=mu, settings=settings, fixture=fixture, offset=offset
+        outline, contacts, friction=mu, settings=settings, fixture=fixture, offset=shift
     )
     return _run(bench, outline, mu, settings, frames)
 

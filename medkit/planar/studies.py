@@ -13,7 +13,8 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 from tqdm import tqdm
 
-from medkit.geometry import Floats
+from medkit.geometry import Floats, expected, nonnegative, positive
+from medkit.planar.arguments import numbers, whole
 from medkit.planar.bounds import is_antipodal, min_friction
 from medkit.planar.closure import is_force_closure
 from medkit.planar.disks import MedialAxis
@@ -57,6 +58,8 @@ def simulated_critical_friction(
     float
         Middle of the last interval [1]; `high` when even that slips, `low` when that holds.
     """
+    low, high = nonnegative(low, "low"), positive(high, "high")
+    tolerance = positive(tolerance, "tolerance")
 
     def holds(friction: float) -> bool:
         return squeeze(outline, p1, p2, friction=friction, settings=settings, **fixture).held
@@ -92,7 +95,7 @@ def wedge_family(
         minus one.
     """
     rows = []
-    for angle in np.atleast_1d(np.asarray(object_angles, dtype=float)):
+    for angle in numbers(object_angles, "object_angles"):
         outline, touch = wedge(float(angle))
         bound = min_friction(float(angle))
         found = simulated_critical_friction(
@@ -158,8 +161,7 @@ def phase_diagram(
     PhaseDiagram
         Simulated and predicted verdicts.
     """
-    angles = np.atleast_1d(np.asarray(object_angles, dtype=float))
-    levels = np.atleast_1d(np.asarray(frictions, dtype=float))
+    angles, levels = numbers(object_angles, "object_angles"), numbers(frictions, "frictions")
     work = partial(_phase_row, frictions=levels, settings=settings)
     rows = _mapped(work, angles.tolist(), jobs, progress)
     predicted = [[is_antipodal(a, friction=mu) for mu in levels] for a in angles]
@@ -172,10 +174,10 @@ def _phase_row(angle: float, *, frictions: Floats, settings: SqueezeSettings) ->
 
 
 def _mapped(work: Callable[[Any], Any], items: list[Any], jobs: int, progress: bool) -> list[Any]:
-    if jobs <= 1:
-        return [work(item) for item in tqdm(items, disable=not progress)]
-    with ProcessPoolExecutor(jobs) as pool:
-        return list(tqdm(pool.map(work, items), total=len(items), disable=not progress))
+    if whole(jobs, "jobs") == 1:
+        return [work(item) for item in tqdm(items, disable=progress is not True)]
+    with ProcessPoolExecutor(int(jobs)) as pool:
+        return list(tqdm(pool.map(work, items), total=len(items), disable=progress is not True))
 
 
 def agreement(
@@ -207,6 +209,9 @@ def agreement(
         One row per disk and friction: shape, disk, material, friction, object_angle [rad],
         radius [m], x1, y1, x2, y2 [m], bound, wrench, simulation (bool), reason.
     """
+    expected(outlines, (list, tuple), "a list of outlines", "put one outline into brackets")
+    expected(frictions, dict, "a name and a coefficient of friction each", "pass {name: value}")
+    disks = whole(disks, "disks")
     work = partial(_agreement_of, frictions=frictions, disks=disks, settings=settings)
     return pd.concat(_mapped(work, list(outlines), jobs, False), ignore_index=True)
 

@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import linprog
 
-from medkit.contacts import PATCH_RADIUS, ContactModel, Contacts
+from medkit.contacts import PATCH_RADIUS, ContactModel, Contacts, checked_origin
 from medkit.geometry import Floats, positive
 from medkit.quality.expansion import expand
-from medkit.quality.space import LINEAR_GAP, SpaceOptions, wrench_space
+from medkit.quality.space import LINEAR_GAP, SpaceOptions, wrench_rows, wrench_space
 
 
 def is_force_closure(
@@ -103,7 +103,7 @@ def torque_frame(
         torque_origin = (
             contacts.points.mean(axis=0) if len(contacts) else np.zeros(contacts.dimension)
         )
-    origin = np.asarray(torque_origin, dtype=float)
+    origin = checked_origin(torque_origin, contacts.dimension)
     if torque_scale is None:
         reach = np.linalg.norm(contacts.points - origin, axis=1).max(initial=0.0)
         return origin, float(reach) if reach > 0.0 else 1.0
@@ -127,8 +127,7 @@ def closure_margin(wrenches: ArrayLike) -> float:
     float
         Margin [1], at most 1 / number of wrenches.
     """
-    rows = np.asarray(wrenches, dtype=float)
-    rows = rows.reshape(-1, rows.shape[-1])
+    rows = wrench_rows(wrenches)
     if len(rows) == 0 or np.linalg.matrix_rank(rows, tol=1e-9) < rows.shape[1]:
         return 0.0
     count = len(rows)

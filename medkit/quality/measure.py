@@ -139,10 +139,16 @@ def _stacked(
     points: Sequence[ArrayLike], normals: Sequence[ArrayLike], friction: float
 ) -> tuple[Contacts, NDArray[np.int64]]:
     """All contacts one after the other, and where each grasp starts."""
-    rows = [np.asarray(row, dtype=float) for row in points]
-    sides = [np.asarray(row, dtype=float) for row in normals]
-    counts = [len(row) for row in rows]
-    if [len(row) for row in sides] != counts:
+    try:
+        rows = [np.asarray(row, dtype=float) for row in points]
+        sides = [np.asarray(row, dtype=float) for row in normals]
+        counts = [len(row) for row in rows]
+    except (TypeError, ValueError):
+        raise InputError(
+            "Expected the contacts of several grasps, but got something else; pass one list of"
+            " points and one of normals per grasp."
+        ) from None
+    if [np.size(row) for row in sides] != [np.size(row) for row in rows]:
         raise InputError(
             "Expected as many normals as points in every grasp, but the numbers differ between"
             f" {len(rows)} lists of points and {len(sides)} of normals; pass them in pairs."

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from medkit.contacts import PATCH_RADIUS, ContactModel, Contacts, cone_profile, wrench_cones
@@ -43,11 +44,25 @@ class WrenchSpace(NamedTuple):
     gap: float
 
 
+def wrench_rows(wrenches: ArrayLike) -> Floats:
+    """Return wrenches of shape (n, m, D) or (n, D) as rows (k, D), or raise `InputError`."""
+    try:
+        array = np.asarray(wrenches, dtype=float)
+    except (TypeError, ValueError):
+        array = np.array(np.nan)
+    if array.ndim not in (2, 3) or not np.isfinite(array).all():
+        raise InputError(
+            f"Expected wrenches of shape (n, m, D) or (n, D), but got {str(wrenches)[:40]};"
+            " pass finite numbers, such as Contacts.wrenches gives."
+        )
+    return array.reshape(-1, array.shape[-1])
+
+
 def wrench_space(
     contacts: Contacts, torque_origin: ArrayLike, torque_scale: float, options: SpaceOptions
 ) -> WrenchSpace:
     """Check what is left to check and lay the wrenches out."""
-    if options.norm not in ("l1", "linf"):
+    if not isinstance(options.norm, str) or options.norm not in ("l1", "linf"):
         raise InputError(
             f"Expected norm to be 'l1' or 'linf', but got {options.norm!r}; use one of both."
         )
@@ -56,5 +71,6 @@ def wrench_space(
         contact=options.contact, patch_radius=options.patch_radius,
     )  # fmt: skip
     profile = cone_profile(contacts.dimension, options.contact, options.edges)
-    gap = LINEAR_GAP if len(profile) else positive(options.tolerance, "tolerance")
+    tolerance = positive(options.tolerance, "tolerance")
+    gap = LINEAR_GAP if len(profile) else tolerance
     return WrenchSpace(cones.centers, cones.axes, profile, options.norm == "linf", gap)

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial import ConvexHull
 
-from medkit.geometry import Floats
+from medkit.geometry import Floats, positive
+from medkit.quality.space import wrench_rows
 
 
 @dataclass(frozen=True)
@@ -72,11 +73,11 @@ def expansion_steps(
     >>> [round(step.lower, 3) for step in expansion_steps(corners)]
     [0.0, 1.0]
     """
-    rows = np.asarray(wrenches, dtype=float)
-    rows = rows.reshape(-1, rows.shape[-1])
+    rows = wrench_rows(wrenches)
+    tolerance, most = positive(tolerance, "tolerance"), positive(limit, "limit")
     chosen = _first_simplex(rows)
     steps: list[ExpansionStep] = []
-    while chosen and len(steps) < limit:
+    while chosen and len(steps) < most:
         points = rows[chosen]
         hull = ConvexHull(points)
         nearest = int(np.argmax(hull.equations[:, -1]))
