@@ -44,6 +44,9 @@ PALM_SHARE = 0.5
 MOST = 4000
 #: Half the thickness of a finger, over that radius.
 FINGER_SHARE = 0.2
+#: Half the distance of the outer fingers, over that radius; where a hand as wide as it is finds no
+#: room, a narrower one, and in the end a single finger a side.
+WIDTHS = (0.4, 0.2, 0.0)
 #: A sphere whose centre lies in another one so many times as large is a detail of a thicker part.
 DETAIL = 1.5
 #: How far a power grasp stands back from where the palm meets the object, as shares of the
@@ -98,9 +101,13 @@ def improved_candidates(
         axis_steps=AXIS_STEPS,
     )
     found = _thinned(straddle(published, axis) if grasp == "power" else published)
+    surface = sample_surface(mesh).points
+    for width in WIDTHS:
+        met = conditions_met(found, axis, surface, room=hand.max_sphere_radius, width=width)
+        if met.any():
+            return found.select(np.flatnonzero(met))
     # where no way is free, the published ones: the closing tells what they are worth
-    met = conditions_met(found, axis, sample_surface(mesh).points, room=hand.max_sphere_radius)
-    return found.select(np.flatnonzero(met)) if met.any() else published
+    return published
 
 
 def _thinned(found: CandidateGrasps) -> CandidateGrasps:
@@ -111,7 +118,7 @@ def _thinned(found: CandidateGrasps) -> CandidateGrasps:
 
 
 def conditions_met(
-    found: CandidateGrasps, axis: MedialAxis, surface: Floats, *, room: float
+    found: CandidateGrasps, axis: MedialAxis, surface: Floats, *, room: float, width: float = 0.0
 ) -> NDArray[np.bool_]:
     """Whether the hand has room at each candidate, judged without closing it.
 
@@ -125,6 +132,8 @@ def conditions_met(
         Samples of the surface [m].
     room : float
         Largest radius that the hand encloses [m].
+    width : float
+        Half the distance of the outer fingers along the closing axis, over `room` [1].
 
     Returns
     -------
@@ -143,18 +152,19 @@ def conditions_met(
     )
     met[rows] = back <= room
     rows = np.flatnonzero(met)
-    met[rows] = ~blocked(axis, finger_places(found.select(rows), room))
+    met[rows] = ~blocked(axis, finger_places(found.select(rows), room, width))
     return met
 
 
-def finger_places(found: CandidateGrasps, room: float) -> Floats:
-    """Where the fingers of each candidate go, on both sides of its sphere, (m, 6, 3) [m]."""
+def finger_places(found: CandidateGrasps, room: float, width: float = 0.0) -> Floats:
+    """Where the fingers of each candidate go, on both sides of its sphere, (m, 18, 3) [m]."""
     side = np.cross(found.approach, found.closing_axis)
     aside = (found.radius + FINGER_SHARE * room)[:, None] * side
     places = [
-        found.grasp_point + sign * aside - share * room * found.approach
+        found.grasp_point + sign * aside - back * room * found.approach + along * found.closing_axis
         for sign in (1.0, -1.0)
-        for share in (1.0, 0.5, 0.0)
+        for back in (1.0, 0.5, 0.0)
+        for along in (-width * room, 0.0, width * room)
     ]
     return np.stack(places, axis=1)
 

@@ -87,5 +87,7 @@ def blocked(axis: MedialAxis, places: Floats) -> NDArray[np.bool_]:
         True where at least one place is inside.
     """
     inside = np.zeros(len(places), dtype=np.bool_)
-    kernels.any_inside(places, axis.centers, axis.radii, inside)
+    middle = places.mean(axis=1)
+    reach = np.linalg.norm(places - middle[:, None], axis=2).max(axis=1, initial=0.0)
+    kernels.any_inside(places, middle, reach, axis.centers, axis.radii, inside)
     return inside

@@ -46,16 +46,24 @@ def ways_out(points, directions, centers, radii, gap, depth, free):
 
 
 @njit(cache=True)
-def any_inside(points, centers, radii, inside):
-    """Whether any of the points (n, m, 3) of each row lies in any ball."""
+def _square(point, other):
+    """Squared distance of two points."""
+    result = 0.0
+    for axis in range(3):
+        result += (point[axis] - other[axis]) ** 2
+    return result
+
+
+@njit(cache=True)
+def any_inside(points, middle, reach, centers, radii, inside):
+    """Whether any of the points (n, m, 3) of each row, within `reach` of a middle, is in a ball."""
     for row in range(len(points)):
         inside[row] = False
         for k in range(len(radii)):
+            if _square(middle[row], centers[k]) > (reach[row] + radii[k]) ** 2:
+                continue
             for place in range(points.shape[1]):
-                square = 0.0
-                for axis in range(3):
-                    square += (points[row, place, axis] - centers[k, axis]) ** 2
-                if square < radii[k] * radii[k]:
+                if _square(points[row, place], centers[k]) < radii[k] * radii[k]:
                     inside[row] = True
                     break
             if inside[row]:
@@ -70,8 +78,5 @@ def thickest(points, centers, radii, largest):
         for k in range(len(radii)):
             if radii[k] <= largest[row]:
                 continue
-            square = 0.0
-            for axis in range(3):
-                square += (points[row, axis] - centers[k, axis]) ** 2
-            if square <= radii[k] * radii[k]:
+            if _square(points[row], centers[k]) <= radii[k] * radii[k]:
                 largest[row] = radii[k]

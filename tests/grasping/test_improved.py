@@ -216,6 +216,17 @@ def test_no_palm_comes_from_between_two_bars(fork, hand):
     assert met[bars & (across < -0.97)].mean() > 0.9
 
 
+def test_a_wider_hand_finds_room_at_some_of_the_places_of_a_narrow_one(fork, hand):
+    published = candidates_from_axis(fork, search_radius=0.02)
+    room = hand.max_sphere_radius
+    narrow, wide = (
+        conditions_met(published, fork, fork.touch_points[:, 0], room=room, width=width)
+        for width in (0.0, 0.4)
+    )
+    assert not (wide & ~narrow).any()
+    assert 0 < wide.sum() < narrow.sum()
+
+
 def test_many_candidates_are_thinned_by_whole_spheres(hand):
     bar = trimesh.creation.capsule(0.2, 0.02)
     found = improved_candidates(bar, hand, watch=Stopwatch(), **SETTINGS)
