@@ -223,6 +223,19 @@ def test_whatever_comes_is_used_or_refused_in_one_sentence(function, argument):
     assert refused or argument in free
 
 
+@pytest.mark.parametrize("wrong", WRONG.values(), ids=WRONG)
+@pytest.mark.parametrize(
+    "function",
+    [handover.fit_population, handover.iso_score, handover.recommend_force, handover.calibration,
+     handover.link_comparison, handover.slope_estimates, handover.method_agreement,
+     handover.proportional_odds_check, handover.leave_one_subject_out],
+    ids=lambda function: function.__name__,
+)  # fmt: skip
+def test_what_is_no_table_of_trials_is_refused_in_one_sentence(function, wrong):
+    with pytest.raises(InputError, match=r"^Expected a table of trials.*load_trials"):
+        function(wrong)
+
+
 @pytest.mark.parametrize("room", [quality, planar])
 def test_the_right_arguments_of_the_law_are_right(room):
     for name in room.__all__:

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from medkit.errors import InputError
-from medkit.handover.trials import rating_counts
+from medkit.handover.trials import rating_counts, trial_table
 
 Array = np.ndarray
 
@@ -96,7 +96,7 @@ def rating_cells(trials: pd.DataFrame) -> RatingCells:
     (855, ('T1', 'T2', 'T3', 'T4'))
     """
     needed = ("pose", "mode", "force_N", "weight_g", "subject")
-    absent = [name for name in needed if name not in trials.columns]
+    absent = [name for name in needed if name not in trial_table(trials).columns]
     if absent or trials.empty:
         raise InputError(
             f"Expected a table with columns {', '.join(needed)} and at least one row, but"

@@ -13,7 +13,7 @@ from medkit.handover.claims import claims, subject_estimates, thesis_claims
 from medkit.handover.ordinal import fit_cumulative_logit, rating_probabilities
 from medkit.handover.release import iso_slope
 from medkit.handover.resampling import subject_interval
-from medkit.handover.trials import load_trials, with_light_object
+from medkit.handover.trials import load_trials, trial_table, with_light_object
 
 Array = np.ndarray
 TERMS = ("root_force", "weight", "pose", "mode")
@@ -157,7 +157,7 @@ def leave_one_subject_out(trials: pd.DataFrame, *, level: float = 0.75) -> pd.Da
         is missing without its own subject.
     """
     columns = {}
-    for name in sorted(trials["subject"].unique()):
+    for name in sorted(trial_table(trials)["subject"].unique()):
         rest = trials[trials["subject"] != name]
         estimates = subject_estimates(rest).mean(axis=1)
         estimates.loc["slope"] = iso_slope(rest, level)["slope"].iloc[-1]

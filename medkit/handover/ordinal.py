@@ -153,10 +153,10 @@ def eta_at_score(level: float, thresholds: Array) -> Array:
     >>> round(float(expected_score(eta_at_score(0.7, thresholds), thresholds)), 12)
     0.7
     """
-    if not 0 < level < 1:
+    if not isinstance(level, int | float | np.number) or not 0 < level < 1:
         raise InputError(
-            f"Expected a score level between 0 and 1, came {level:g}; 0.75 lies halfway between"
-            " acceptable and good."
+            f"Expected a score level between 0 and 1, came {str(level)[:40]}; 0.75 lies halfway"
+            " between acceptable and good."
         )
     # shifted by the mean threshold, so that the exponentials stay near one
     middle = thresholds.mean(axis=-1)
