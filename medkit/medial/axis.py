@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from medkit.errors import InputError
 from medkit.geometry import Floats, expected, nonnegative
 from medkit.medial import axis_kernels, tree_kernels
+from medkit.medial.bound_kernels import bound_samples
 from medkit.medial.size import in_own_frame
 from medkit.medial.surface import SurfaceSample, sample_surface
 from medkit.medial.touch_kernels import widest_touch
@@ -155,8 +156,9 @@ def sample_tree(sample: SurfaceSample, sign: float = 1.0) -> tuple[NDArray[np.in
     # laid out in the object's own frame, so that a turned object gets the same tree
     order, first, last = tree_kernels.sort_samples(in_own_frame(sample.points), leaves)
     points, normals = sample.points[order], sample.normals[order] * sign
-    nodes = tree_kernels.bound_nodes(points, normals, first, last)
-    return order, Tree(points, normals, first, last, nodes)
+    blocks, copied, fan = bound_samples(points, normals, first, last)
+    start = np.append(first[leaves:], len(points))
+    return order, Tree(points, normals, start, blocks, copied, fan)
 
 
 def with_object_angles(
