@@ -7,12 +7,15 @@ holds one such block per exercise; filling in replaces exactly those cells.
 from __future__ import annotations
 
 import copy
+import re
 from pathlib import Path
 from typing import Any
 
 from medkit.errors import InputError
 from medkit.files import write_text
 from medkit.labs.reading import MARK
+
+LINK = re.compile(r"\[([^\]]+)\]\((?!\w+:)([^)#]+)\)")  # to a file, not to an address
 
 
 def lab_notebooks(folder: Path) -> list[Path]:
@@ -63,6 +66,19 @@ def without_outputs(notebook: Any) -> Any:
     return result
 
 
+def without_dead_links(notebook: Any, out: Path) -> Any:
+    """Return a copy whose links to files that do not lie beside `out` are plain words."""
+
+    def kept(link: re.Match[str]) -> str:
+        return link.group(0) if (out / link.group(2)).exists() else f"*{link.group(1)}*"
+
+    result = copy.deepcopy(notebook)
+    for cell in result.cells:
+        if cell.cell_type == "markdown":
+            cell.source = LINK.sub(kept, cell.source)
+    return result
+
+
 def write_copies(labs: Path, out: Path, answers: Path | None = None) -> list[Path]:
     """Write a copy of every lab notebook into `out`, filled in where `answers` is given."""
     import nbformat
@@ -79,6 +95,7 @@ def write_copies(labs: Path, out: Path, answers: Path | None = None) -> list[Pat
                     " write one block '# answer: NAME' per exercise."
                 )
             notebook = filled(notebook, answers_in(source.read_text(encoding="utf-8")))
+        notebook = without_dead_links(notebook, out)
         write_text(out / path.name, nbformat.writes(notebook) + "\n")
         written.append(out / path.name)
     return written

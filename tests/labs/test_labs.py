@@ -231,6 +231,22 @@ def test_students_get_no_outputs_and_no_solutions(tmp_path):
         assert any("return ..." in "".join(cell["source"]) for cell in cells)
 
 
+def test_copies_that_are_handed_out_alone_link_to_nothing_that_is_missing(tmp_path):
+    alone, inside = tmp_path / "alone", tmp_path / "project" / "labs"
+    inside.mkdir(parents=True)
+    for chapter in (ROOT / "notebooks").glob("[0-9]*.ipynb"):
+        (inside.parent / chapter.name).touch()
+    for folder, linked in ((alone, False), (inside, True)):
+        for path in write_copies(LABS, folder):
+            prose = "\n".join(
+                cell.source
+                for cell in nbformat.read(path, as_version=4).cells
+                if cell.cell_type == "markdown"
+            )
+            assert ("](../" in prose) == linked
+            assert "Background: chapter" in prose
+
+
 def test_grading_bad_folders_is_one_line(tmp_path, capsys):
     assert main(["lab", "grade", str(tmp_path / "gone")]) == 2
     assert main(["lab", "grade", str(tmp_path)]) == 2
