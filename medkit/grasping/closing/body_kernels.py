@@ -38,7 +38,8 @@ class Workspace(NamedTuple):
     """Scratch arrays of one closing loop; build with `workspace`.
 
     ``poses`` are those of the links, ``slack`` what each body may surely travel before it meets
-    the object [m], ``hit`` the piece of the object that was met last, or -1.
+    the object [m], ``hit`` the piece of the object that was met last, or -1; ``room`` is what
+    the two bodies of each pair of partners may surely travel before they meet [m].
     """
 
     clip: ClipScratch
@@ -51,6 +52,7 @@ class Workspace(NamedTuple):
     here: np.ndarray
     slack: np.ndarray
     fresh: np.ndarray
+    room: np.ndarray
     slope: np.ndarray
     stamps: np.ndarray
     stamp: np.ndarray
@@ -79,6 +81,7 @@ def workspace(field: Any, hand: Any) -> Workspace:
         here=np.zeros((4, 4)),
         slack=np.zeros(bodies),
         fresh=np.zeros(bodies),
+        room=np.zeros(len(hand.partner)),
         slope=np.zeros(planes),
         stamps=np.zeros(faces, dtype=np.int64),
         stamp=np.zeros(1, dtype=np.int64),

@@ -15,7 +15,13 @@ from medkit.grasping.closing.chain_kernels import place_links as place_links
 from medkit.grasping.closing.chain_kernels import set_joint
 from medkit.grasping.closing.kernel_options import entry, inner
 from medkit.grasping.closing.retreat_kernels import retreat as retreat
-from medkit.grasping.closing.self_kernels import SELF_DEPTH, self_clearance
+from medkit.grasping.closing.self_kernels import (
+    SELF_DEPTH,
+    forget_rooms,
+    runs_into_itself,
+    self_clearance,
+    self_stride,
+)
 from medkit.grasping.closing.tree_kernels import meet
 
 #: How a closing joint stopped.
@@ -44,24 +50,17 @@ def advance_joint(
     joint = hand.joint[step]
     stop = hand.limits[joint, 1] if sign > 0.0 else hand.limits[joint, 0]
     first, last = hand.moved_body_start[step], hand.moved_body_start[step + 1]
-    longest = 0.0
-    for m in range(first, last):
-        longest = max(longest, hand.lever[m])
+    forget_rooms(hand, step, work)
     value = q[joint]
-    budget = 0.0
     while sign * (stop - value) > 1e-9:
         stride = abs(stop - value)
         for m in range(first, last):
             body = hand.moved_body[m]
             stride = min(stride, max(work.slack[body], hand.window[body]) / hand.lever[m])
-        # What is known to be free of the hand itself is used up before it is looked at again.
-        if budget < SELF_WINDOW:
-            budget = self_clearance(hand, step, SELF_HORIZON, work)
-        stride = min(stride, max(budget, SELF_WINDOW) / longest)
+        stride = min(stride, self_stride(hand, step, SELF_WINDOW, SELF_HORIZON, work))
         wanted = value + sign * stride
         end = free_end(field, hand, base, q, step, value, wanted, work)
-        budget -= abs(end - value) * longest
-        if budget < 0.0 and self_clearance(hand, step, 0.0, work) < -SELF_DEPTH:
+        if runs_into_itself(hand, step, abs(end - value), SELF_HORIZON, work):
             end = _before_self(hand, base, q, step, value, end, work)
             for m in range(first, last):
                 work.slack[hand.moved_body[m]] = 0.0  # known only for the state beyond

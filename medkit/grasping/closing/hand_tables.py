@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -22,6 +23,8 @@ WINDOW, WIDTH_SHARE = 0.008, 0.6
 SAMPLE_SPACING = 0.004
 #: Most samples in one group.
 GROUP_SIZE = 8
+#: Groups in one cluster; neighbouring groups lie together, as they come from halving.
+CLUSTER = 8
 #: Pairs of bodies that never come closer than this in the probed configurations are dropped [m].
 NEVER_NEAR, PROBES = 0.0015, 400
 
@@ -35,7 +38,7 @@ class ClosingHand(NamedTuple):
 
     The first seven arrays are those of `KinematicTree`. Body b has its planes in ``hulls``, the
     least ``width`` [m], the ``window`` that it is swept at once [m] and ``samples`` on its
-    surface, in groups with a ball each. Of closing step k:
+    surface, in groups with a ball each and clusters of groups with another. Of closing step k:
     coordinate ``joint[k]`` moves with ``closing[k]``, and with it the links ``moved_link`` and
     the bodies ``moved_body``, whose points travel at most ``lever`` [m/rad or 1] per unit.
     """
@@ -56,6 +59,10 @@ class ClosingHand(NamedTuple):
     group_start: Ints
     group_center: Floats
     group_radius: Floats
+    cluster_start: Ints
+    cluster_group: Ints
+    cluster_center: Floats
+    cluster_radius: Floats
     sample_start: Ints
     samples: Floats
     partner_start: Ints
@@ -104,6 +111,7 @@ def closing_hand(
     radii = [
         float(np.linalg.norm(g - c, axis=1).max()) for g, c in zip(groups, centers, strict=True)
     ]
+    group_start = _starts([len(body_groups) for body_groups in samples])
     steps = _closing_steps(hand, finger_order)
     # copies: kernels are compiled for writable arrays
     tree = {name: getattr(hand.tree, name).copy() for name in TREE}
@@ -115,9 +123,10 @@ def closing_hand(
         ball_radius=np.array([_reach(body, _box_center(body)) for body in hand.bodies]),
         width=width,
         window=np.minimum(WINDOW, WIDTH_SHARE * width),
-        group_start=_starts([len(body_groups) for body_groups in samples]),
+        group_start=group_start,
         group_center=centers,
         group_radius=np.array(radii),
+        **_clusters(group_start, groups),
         sample_start=_starts([len(group) for group in groups]),
         samples=np.vstack(groups),
         partner_start=np.zeros(len(hand.bodies) + 1, dtype=np.int64),
@@ -175,6 +184,21 @@ def _halved(points: Floats) -> list[Floats]:
     order = np.argsort(points[:, np.ptp(points, axis=0).argmax()], kind="stable")
     half = len(points) // 2
     return _halved(points[order[:half]]) + _halved(points[order[half:]])
+
+
+def _clusters(group_start: Ints, groups: list[Floats]) -> dict[str, NDArray]:
+    """Balls around neighbouring groups of each body; cluster c has those from ``cluster_group``."""
+    firsts = [np.arange(a, b, CLUSTER) for a, b in itertools.pairwise(group_start)]
+    cluster_group = np.concatenate([*firsts, group_start[-1:]]).astype(np.int64)
+    points = [np.vstack(groups[a:b]) for a, b in itertools.pairwise(cluster_group)]
+    centers = np.array([0.5 * (p.min(axis=0) + p.max(axis=0)) for p in points])
+    radii = [np.linalg.norm(p - c, axis=1).max() for p, c in zip(points, centers, strict=True)]
+    return {
+        "cluster_start": _starts([len(rows) for rows in firsts]),
+        "cluster_group": cluster_group,
+        "cluster_center": centers,
+        "cluster_radius": np.array(radii),
+    }
 
 
 def _closing_steps(hand: Hand, finger_order: tuple[str, ...] | None) -> dict[str, NDArray]:
@@ -263,10 +287,14 @@ def halton(count: int, dimension: int) -> Floats:
 
 
 def palm_frame(palm_direction: Floats, closing_axis: Floats) -> Floats:
-    """Frame (3, 3) of a hand's palm in its base frame: columns side, closing axis, direction."""
-    forward = unit(palm_direction)
-    side = unit(_cross(closing_axis, forward))
-    return np.array([side, _cross(forward, side), forward]).T
+    """Frame (3, 3) of a hand's palm in its base frame: columns side, closing axis, direction.
+
+    In plain numbers: this runs once a candidate, and numpy takes ten times as long for it.
+    """
+    forward = _scaled(*palm_direction.tolist())
+    x, y, z = closing_axis.tolist()
+    side = _scaled(*_cross(x, y, z, *forward))
+    return np.array([side, _cross(*forward, *side), forward]).T
 
 
 def hand_rotation(approach: Floats, closing_axis: Floats, palm: Floats) -> Floats:
@@ -288,7 +316,16 @@ def hand_rotation(approach: Floats, closing_axis: Floats, palm: Floats) -> Float
     return palm_frame(approach, closing_axis) @ palm.T
 
 
-def _cross(first: Floats, second: Floats) -> Floats:
-    """Cross product of two vectors (3,), without the detours of numpy's for any shape."""
-    (a, b, c), (d, e, f) = first.tolist(), second.tolist()
-    return np.array([b * f - c * e, c * d - a * f, a * e - b * d])
+def _cross(
+    a: float, b: float, c: float, d: float, e: float, f: float
+) -> tuple[float, float, float]:
+    """Cross product of (a, b, c) and (d, e, f)."""
+    return b * f - c * e, c * d - a * f, a * e - b * d
+
+
+def _scaled(x: float, y: float, z: float) -> tuple[float, float, float]:
+    """A vector at length one; `InputError` if it has none."""
+    length = math.sqrt(x * x + y * y + z * z)
+    if not 0.0 < length < math.inf:
+        x, y, z = unit([x, y, z])  # says so
+    return x / length, y / length, z / length

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,7 +42,7 @@ class HullTable(NamedTuple):
     origin: Floats
     cells: NDArray[np.int64]
     cell_start: NDArray[np.int64]
-    hints: NDArray[np.int32]
+    hints: NDArray[Any]
 
 
 def hull_table(bodies: Sequence[Floats]) -> HullTable:
@@ -63,6 +63,8 @@ def hull_table(bodies: Sequence[Floats]) -> HullTable:
     counts = cells.prod(axis=1)
     hints = [_hints(p, origin[b], cells[b]) for b, p in enumerate(planes)]
     rows = [np.where(h >= 0, h + start[b], h - start[b]) for b, h in enumerate(hints)]
+    # looked up all over a body, so it has to stay in the processor's own memory
+    small = np.int16 if start[-1] < 2**15 else np.int32
     return HullTable(
         start,
         np.vstack(planes),
@@ -70,7 +72,7 @@ def hull_table(bodies: Sequence[Floats]) -> HullTable:
         origin,
         cells,
         np.concatenate([[0], np.cumsum(counts)[:-1]]).astype(np.int64),
-        np.concatenate(rows).astype(np.int32),
+        np.concatenate(rows).astype(small),
     )
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from medkit.grasping.closing.body_kernels import height_over, moved, sure_height
-from medkit.grasping.closing.kernel_options import entry, inner
+from medkit.grasping.closing.kernel_options import entry, inner, leaf
 
 #: Depth [m] to which samples of two bodies of the hand may overlap before they count as touching.
 SELF_DEPTH = 0.0005
@@ -17,21 +17,79 @@ SELF_DEPTH = 0.0005
 def self_clearance(hand: Any, step: int, enough: float, work: Any) -> float:
     """Least gap [m] between bodies that a closing joint moves and bodies that it does not."""
     best = enough
-    first, last = hand.moved_body_start[step], hand.moved_body_start[step + 1]
-    for m in range(first, last):
+    for m in range(hand.moved_body_start[step], hand.moved_body_start[step + 1]):
         a = hand.moved_body[m]
-        pose_a = work.poses[hand.body_link[a]]
         for e in range(hand.partner_start[a], hand.partner_start[a + 1]):
-            b = hand.partner[e]
-            moves_too = False
-            for other in range(first, last):
-                moves_too = moves_too or hand.moved_body[other] == b
-            if moves_too:
-                continue
-            pose_b = work.poses[hand.body_link[b]]
-            if balls_gap(hand, a, pose_a, b, pose_b) < best:
-                best = min(best, bodies_gap(hand, a, pose_a, b, pose_b, best, work.at_joint))
+            if not moves_too(hand, step, hand.partner[e]):
+                best = pair_gap(hand, a, e, best, work)
     return best
+
+
+@inner
+def forget_rooms(hand: Any, step: int, work: Any) -> None:
+    """Let the next `self_stride` of a closing joint measure all its pairs of bodies."""
+    for m in range(hand.moved_body_start[step], hand.moved_body_start[step + 1]):
+        a = hand.moved_body[m]
+        for e in range(hand.partner_start[a], hand.partner_start[a + 1]):
+            work.room[e] = -1.0
+
+
+@inner
+def self_stride(hand: Any, step: int, window: float, enough: float, work: Any) -> float:
+    """Most [rad or m] that a joint may turn before bodies of the hand need another look.
+
+    That is what each of its pairs surely has room for, and `window` [m] where that is less. A
+    pair whose room is used up is measured, gaps beyond `enough` [m] not told apart.
+    """
+    stride = 1e9
+    for m in range(hand.moved_body_start[step], hand.moved_body_start[step + 1]):
+        a = hand.moved_body[m]
+        for e in range(hand.partner_start[a], hand.partner_start[a + 1]):
+            if moves_too(hand, step, hand.partner[e]):
+                continue
+            if work.room[e] < 0.0:
+                work.room[e] = max(pair_gap(hand, a, e, enough, work), 0.0)
+            stride = min(stride, max(work.room[e], window) / hand.lever[m])
+    return stride
+
+
+@inner
+def runs_into_itself(hand: Any, step: int, turned: float, enough: float, work: Any) -> bool:
+    """Whether a joint that has just turned by so much [rad or m] ran into the hand; uses up room.
+
+    Pairs without room for the turn are measured where they are now.
+    """
+    for m in range(hand.moved_body_start[step], hand.moved_body_start[step + 1]):
+        a = hand.moved_body[m]
+        for e in range(hand.partner_start[a], hand.partner_start[a + 1]):
+            if moves_too(hand, step, hand.partner[e]):
+                continue
+            work.room[e] -= turned * hand.lever[m]
+            if work.room[e] < 0.0:
+                gap = pair_gap(hand, a, e, enough, work)
+                if gap < -SELF_DEPTH:
+                    return True
+                work.room[e] = max(gap, 0.0)
+    return False
+
+
+@leaf
+def moves_too(hand: Any, step: int, body: int) -> bool:
+    """Whether a closing joint moves a body."""
+    for m in range(hand.moved_body_start[step], hand.moved_body_start[step + 1]):
+        if hand.moved_body[m] == body:
+            return True
+    return False
+
+
+@inner
+def pair_gap(hand: Any, a: int, e: int, enough: float, work: Any) -> float:
+    """Gap [m] between body a and its partner in row e; `enough` when beyond."""
+    b = hand.partner[e]
+    pose_a, pose_b = work.poses[hand.body_link[a]], work.poses[hand.body_link[b]]
+    if balls_gap(hand, a, pose_a, b, pose_b) >= enough:
+        return enough
+    return bodies_gap(hand, a, pose_a, b, pose_b, enough, work.at_joint)
 
 
 @inner
@@ -58,7 +116,7 @@ def least_gap(
     return best
 
 
-@inner
+@entry
 def bodies_gap(
     hand: Any,
     a: int,
@@ -94,7 +152,21 @@ def _samples_over(
             for k in range(3):
                 offset = pose_b[k, 3] if j == 3 else 0.0
                 relative[i, j] += pose_b[k, i] * (pose_a[k, j] - offset)
-    for g in range(hand.group_start[a], hand.group_start[a + 1]):
+    x, y, z = moved(relative, hand.ball_center, a)
+    if sure_height(hand.hulls, b, x, y, z) >= best + hand.ball_radius[a]:
+        return best
+    for c in range(hand.cluster_start[a], hand.cluster_start[a + 1]):
+        x, y, z = moved(relative, hand.cluster_center, c)
+        if sure_height(hand.hulls, b, x, y, z) < best + hand.cluster_radius[c]:
+            best = _cluster_over(hand, c, b, best, relative)
+    return best
+
+
+@leaf
+def _cluster_over(hand: Any, c: int, b: int, enough: float, relative: np.ndarray) -> float:
+    """Least height [m] of the samples of one cluster over the planes of body b."""
+    best = enough
+    for g in range(hand.cluster_group[c], hand.cluster_group[c + 1]):
         x, y, z = moved(relative, hand.group_center, g)
         if sure_height(hand.hulls, b, x, y, z) >= best + hand.group_radius[g]:
             continue
