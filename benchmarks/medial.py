@@ -30,7 +30,7 @@ from medkit.meshes import repair_mesh
 
 create = trimesh.creation
 SIZES = (5_000, 10_000, 20_000, 50_000, 100_000)
-RIVAL_SECONDS = 1.0  # CPU time on one shape after which a rival is not run on larger ones
+HOPELESS = 1.5  # a rival this many times slower than the better one is left out at that size
 P13_MS = (6.0, 37.0)  # P13 table 5.6, per sphere, on the hardware of 2013
 
 
@@ -74,14 +74,16 @@ def delaunay_poles(sample: SurfaceSample) -> np.ndarray:
     """Rival: circumcentres of the Delaunay tetrahedra that lie inside, by the nearest normal."""
     points = sample.points
     tets = Delaunay(points).simplices
-    base = points[tets[:, 0]]
-    edges = points[tets[:, 1:]] - base[:, None]
-    solid = np.abs(np.linalg.det(edges)) > 1e-18
-    half = 0.5 * np.einsum("nij,nij->ni", edges[solid], edges[solid])
-    centers = base[solid] + np.linalg.solve(edges[solid], half[..., None])[..., 0]
+    a, b, c = (points[tets[:, k]] - points[tets[:, 0]] for k in (1, 2, 3))
+    # closed formula: numpy's solver takes longer on small matrices than qhull on everything
+    bc, ca, ab = np.cross(b, c), np.cross(c, a), np.cross(a, b)
+    volume = np.sum(a * bc, axis=1)
+    solid = np.abs(volume) > 1e-18
+    parts = (np.sum(e * e, axis=1)[solid, None] * n[solid] for e, n in ((a, bc), (b, ca), (c, ab)))
+    away = sum(parts) / (2.0 * volume[solid, None])
     near = tets[solid, 0]
-    inside = np.einsum("nk,nk->n", points[near] - centers, sample.normals[near]) > 0.0
-    return centers[inside]
+    inside = np.einsum("nk,nk->n", away, sample.normals[near]) < 0.0
+    return points[near[inside]] + away[inside]
 
 
 def plain_shrinking_ball(sample: SurfaceSample) -> np.ndarray:
@@ -114,50 +116,67 @@ def cpu_seconds(function: Callable[[], object], runs: int = 3) -> float:
     return statistics.median(times)
 
 
-def timed_row(label: str, sample: SurfaceSample, sampling: float, spent: dict[str, float]) -> None:
-    """Print one line of the axis table; a rival that has used up its time is left out."""
+RIVALS = {"poles": delaunay_poles, "kd ball": plain_shrinking_ball}
+
+
+def rival_times(sample: SurfaceSample, before: dict[str, float], full: bool) -> dict[str, float]:
+    """Microseconds a sample of the rivals; `before` holds those at the size before.
+
+    No rival gets cheaper per sample on a finer surface: one that was far slower than what the
+    other takes now cannot be the better one, and is run only when all are asked for.
+    """
+    times: dict[str, float] = {}
+    for name in sorted(RIVALS, key=lambda n: before.get(n, 0.0)):
+        best = min(times.values(), default=np.inf)
+        if full or before.get(name, 0.0) < HOPELESS * best:
+            runs = 3 if before.get(name, np.inf) * len(sample) < 1e6 else 1  # below a second
+            seconds = cpu_seconds(lambda r=RIVALS[name]: r(sample), runs)
+            before[name] = times[name] = 1e6 * seconds / len(sample)
+    return times
+
+
+def timed_row(label: str, mesh: trimesh.Trimesh, spacing: float | None, before: dict[str, float],
+              full: bool) -> None:  # fmt: skip
+    """Print one line of the axis table."""
+    sample = sample_surface(mesh, spacing=spacing)
     n = len(sample)
-    ours = 1e6 * cpu_seconds(lambda: medial_axis_from_surface(sample)) / n
-    rivals = {"poles": delaunay_poles, "kd ball": plain_shrinking_ball}
-    times = {}
-    for name, rival in rivals.items():
-        if spent[name] < RIVAL_SECONDS:
-            seconds = cpu_seconds(lambda r=rival: r(sample), 1)
-            spent[name] += seconds
-            times[name] = 1e6 * seconds / n
-    cells = "".join(f"{times[name]:>9.1f}" if name in times else f"{'-':>9}" for name in rivals)
-    ratio = f"{min(times.values()) / ours:>8.1f}" if times else f"{'-':>8}"
-    print(f"{label:>14}{n:>9}{1e6 * sampling / n:>10.1f}{ours:>9.1f}{cells}{ratio}", flush=True)
+    sampling = 1e6 * cpu_seconds(lambda: sample_surface(mesh, spacing=spacing)) / n
+    ours = 1e6 * cpu_seconds(lambda: medial_axis_from_surface(sample), 5) / n
+    times = rival_times(sample, before, full)
+    cells = "".join(f"{times[r]:>9.1f}" if r in times else f"{'-':>9}" for r in RIVALS)
+    print(f"{label:>14}{n:>9}{sampling:>10.1f}{ours:>9.1f}{sampling + ours:>7.1f}{cells}"
+          f"{min(times.values()) / ours:>8.1f}", flush=True)  # fmt: skip
 
 
-def run_axes() -> None:
+def print_head() -> None:
+    print(f"{'shape':>14}{'samples':>9}{'sampling':>10}{'medkit':>9}{'sum':>7}"
+          + "".join(f"{name:>9}" for name in RIVALS) + f"{'ratio':>8}")  # fmt: skip
+
+
+def run_axes(full: bool) -> None:
     """Medial axis per sample, against both rivals, from 5k to 100k samples."""
     print("medial axis from samples, touch points and angles included, us per sample (sampling"
           " apart)")  # fmt: skip
-    print(f"ratio = better rival / medkit; a rival is stopped after {RIVAL_SECONDS:g} s a shape")
-    print(f"{'shape':>14}{'samples':>9}{'sampling':>10}{'medkit':>9}{'poles':>9}"
-          f"{'kd ball':>9}{'ratio':>8}")  # fmt: skip
+    print("ratio = better rival / medkit, without sampling, which all need; -: slower than the"
+          f" other by more than {HOPELESS:g} at the size before")  # fmt: skip
+    print_head()
     for name, make in SHAPES.items():
-        mesh, spent = make(), {"poles": 0.0, "kd ball": 0.0}
+        mesh, before = make(), dict[str, float]()
         for target in SIZES:
-            spacing = float(np.sqrt(0.89 * mesh.area / target))
-            start = time.process_time()
-            sample = sample_surface(mesh, spacing=spacing)
-            timed_row(name, sample, time.process_time() - start, spent)
+            timed_row(name, mesh, float(np.sqrt(0.89 * mesh.area / target)), before, full)
 
 
-def run_folder(folder: str) -> None:
+def run_folder(folder: str, full: bool) -> None:
     """The same for every mesh of a folder, at the default spacing."""
     print(f"\nmeshes of {folder} at the default spacing")
+    print_head()
     for name, mesh in load_folder(folder):
         try:
             mended = repair_mesh(mesh).mesh
         except InputError as error:
             print(f"{name:>14} refused: {error}")
             continue
-        start = time.process_time()
-        sample = sample_surface(mended)
-        timed_row(name, sample, time.process_time() - start, {"poles": 0.0, "kd ball": 0.0})
+        timed_row(name, mended, None, {}, full)
 
 
 def sheet(n: int) -> MedialAxis:
@@ -216,11 +235,16 @@ def run_memory() -> None:
 
 
 def run() -> None:
-    """All tables; with a folder in the variable MEDKIT_MESHES, its meshes too."""
+    """All tables: about four minutes.
+
+    With a folder in the variable MEDKIT_MESHES, its meshes too; with MEDKIT_FULL=1 both rivals at
+    all sizes, which takes half an hour.
+    """
+    full = os.environ.get("MEDKIT_FULL") == "1"
     local_symmetry(MedialSphereGrid.from_axis(filter_object_angle(medial_axis(hammer()))), 0.03)
-    run_axes()
+    run_axes(full)
     if os.environ.get("MEDKIT_MESHES"):
-        run_folder(os.environ["MEDKIT_MESHES"])
+        run_folder(os.environ["MEDKIT_MESHES"], full)
     run_symmetry()
     run_memory()
     sys.stdout.flush()

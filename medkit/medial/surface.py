@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import trimesh
@@ -109,9 +110,9 @@ def sample_surface(
             f"Expected a spacing that suits the object, but {distance:g} m asks for about"
             f" {count / _CANDIDATES:.3g} samples on a diagonal of {diagonal:g} m; use a larger one."
         )
-    faces, weights = _candidates(areas, max(int(count + _PHASE), 4 * _CANDIDATES))
-    points = np.einsum("nk,nkd->nd", weights, sized.vertices[sized.faces[faces]])
-    normals = _smooth_normals(sized, faces, weights, crease_angle)
+    faces, points, normals = _candidates(
+        sized, areas, max(int(count + _PHASE), 4 * _CANDIDATES), crease_angle
+    )
     keep = kernels.thin_samples(points, normals, _THINNING * distance / diagonal, _COMPETE)
     depth = min(facet_depth(sized, crease_angle), 0.002) * diagonal
     points = middle + diagonal * points[keep]
@@ -134,36 +135,19 @@ def _place_and_size(mesh: trimesh.Trimesh) -> tuple[Floats, float]:
     return vertices.mean(axis=0), diagonal
 
 
-def _candidates(areas: Floats, count: int) -> tuple[NDArray[np.int64], Floats]:
-    """Faces (count,) in proportion to area and barycentric weights (count, 3) inside them."""
-    edges = np.cumsum(areas)
-    index = np.arange(count)
-    faces = np.searchsorted(edges, (index + _PHASE) / count * edges[-1])
-    faces = np.minimum(faces, len(areas) - 1)
-    # the plastic number's additive recurrence fills the unit square evenly in any prefix
-    g = 1.32471795724474602596
-    u = (0.5 + index / g) % 1.0
-    v = (0.5 + index / g**2) % 1.0
-    over = u + v > 1.0
-    u[over], v[over] = 1.0 - u[over], 1.0 - v[over]
+def _candidates(
+    mesh: trimesh.Trimesh, areas: Floats, count: int, crease_angle: float
+) -> tuple[NDArray[np.int64], Floats, Floats]:
+    """Faces (count,) in proportion to area, points (count, 3) on them and smooth normals there."""
     # a stride that shares no factor with the count: thinning sees all parts of the surface early
     stride = max(1, int(count / 1.618033988749895))
     while np.gcd(stride, count) != 1:
         stride += 1
-    shuffled = index * stride % count
-    weights = np.column_stack([1.0 - u - v, u, v])
-    return faces[shuffled], weights[shuffled]
-
-
-def _smooth_normals(
-    mesh: trimesh.Trimesh, faces: NDArray[np.int64], weights: Floats, crease_angle: float
-) -> Floats:
-    """Interpolated corner normals of the faces that a sample lies on, shape (n, 3)."""
-    corners = corner_normals(mesh, crease_angle)
-    normals = np.einsum("nk,nkd->nd", weights, corners[faces])
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    flat = np.asarray(mesh.face_normals)[faces]
-    return np.where(length > 0.5, normals / np.maximum(length, 0.5), flat)
+    corners = np.asarray(mesh.vertices)[mesh.faces]
+    normals = corner_normals(mesh, crease_angle)
+    flat = np.asarray(mesh.face_normals)
+    lay: Any = kernels.lay_candidates
+    return lay(np.cumsum(areas), count, _PHASE, stride, corners, normals, flat)
 
 
 def corner_normals(mesh: trimesh.Trimesh, crease_angle: float = CREASE_ANGLE) -> Floats:

@@ -11,7 +11,7 @@ from medkit.geometry import random_rotation
 from medkit.grasping import sample_surface
 from medkit.medial.size import smallest_diagonal
 from medkit.medial.surface import corner_normals, facet_depth
-from medkit.medial.surface_kernels import ends_along, thin_samples
+from medkit.medial.surface_kernels import ends_along, lay_candidates, thin_samples
 from medkit.meshes import repair_mesh
 
 create = trimesh.creation
@@ -31,7 +31,30 @@ def test_thinning_equals_its_plain_twin():
         ]
         if not near:
             kept.append(i)
-    assert np.flatnonzero(thin_samples(points, normals, 0.15, 0.5)).tolist() == kept
+    assert thin_samples(points, normals, 0.15, 0.5).tolist() == kept
+
+
+def test_candidates_equal_their_plain_twin():
+    mesh = create.icosphere(1, 0.05)
+    rng = np.random.default_rng(3)
+    corners, flat = np.asarray(mesh.triangles), np.asarray(mesh.face_normals)
+    smooth = flat[:, None] + rng.normal(0.0, 0.2, size=corners.shape)
+    smooth[3] = [[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 0.0]]  # cancel in the middle
+    edges, count, phase, stride = np.cumsum(mesh.area_faces), 500, 0.381966, 309
+    got = lay_candidates(edges, count, phase, stride, corners, smooth, flat)
+    i = np.arange(count) * stride % count
+    faces = np.minimum(np.searchsorted(edges, (i + phase) / count * edges[-1]), len(edges) - 1)
+    u, v = (0.5 + i / 1.32471795724474602596) % 1.0, (0.5 + i / 1.32471795724474602596**2) % 1.0
+    u, v = np.where(u + v > 1.0, [1.0 - u, 1.0 - v], [u, v])
+    weights = np.column_stack([1.0 - u - v, u, v])
+    assert np.array_equal(got[0], faces)
+    assert set(faces) == set(range(len(flat)))
+    assert got[1] == pytest.approx(np.einsum("nk,nkd->nd", weights, corners[faces]), abs=1e-15)
+    normals = np.einsum("nk,nkd->nd", weights, smooth[faces])
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = np.where(length > 0.5, normals / length, flat[faces])
+    assert np.any(length < 0.5)
+    assert got[2] == pytest.approx(normals, abs=1e-14)
 
 
 def test_the_ends_along_a_direction_equal_their_plain_twin():
