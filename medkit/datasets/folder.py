@@ -9,6 +9,7 @@ from pathlib import Path
 
 import trimesh
 
+from medkit.datasets.arguments import file_path
 from medkit.errors import InputError
 from medkit.geometry import positive
 from medkit.meshes import load_mesh
@@ -50,7 +51,7 @@ def load_folder(
     [('brick', 0.3)]
     """
     factor = positive(scale, "scale")
-    files = _mesh_files(Path(path))
+    files = _mesh_files(file_path(path, "a folder of meshes"))
     return ((file.stem, load_mesh(file, scale=factor)) for file in files)
 
 

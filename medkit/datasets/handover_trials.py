@@ -9,8 +9,10 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from medkit.datasets.arguments import file_path, short
 from medkit.datasets.handover_schema import KEY, RATINGS, table_problems, typed_keys
 from medkit.errors import InputError
+from medkit.geometry import expected
 
 
 def handover_folder() -> Path:
@@ -92,7 +94,8 @@ def load_handover_table(
     >>> len(load_handover_table())
     864
     """
-    table = _read(handover_folder() / "trials.csv" if path is None else Path(path))
+    own = None if path is None else file_path(path, "a trial table")
+    table = _read(handover_folder() / "trials.csv" if own is None else own)
     if ratings is not None:
         table = _mapped(table, ratings)
     problems = table_problems(table)
@@ -151,11 +154,13 @@ def _check_separator(table: pd.DataFrame, path: Path) -> None:
 
 def _mapped(table: pd.DataFrame, ratings: Mapping[str, str]) -> pd.DataFrame:
     """Translate a lab's own scale; one row per handover becomes one row per cell."""
+    remedy = 'pass {"5": "good", "3": "acceptable", "1": "bad"} or the like'
+    expected(ratings, Mapping, "a mapping from ratings to good, acceptable, bad", remedy)
     scale = {str(key): str(value) for key, value in ratings.items()}
     wrong = sorted(set(scale.values()) - set(RATINGS))
     if wrong:
         raise InputError(
-            f"Expected a mapping onto good, acceptable and bad, but it names {wrong[0]!r};"
+            f"Expected a mapping onto good, acceptable and bad, but it names {short(wrong[0])};"
             " map every step of the scale to one of the three."
         )
     if "rating" in table.columns:

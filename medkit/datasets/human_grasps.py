@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from medkit.datasets.arguments import file_path
 from medkit.errors import InputError
 
 #: Fingers in the order in which every array of fingertips holds them.
@@ -86,7 +87,8 @@ def load_human_grasps(path: str | os.PathLike[str] | None = None) -> pd.DataFram
     >>> sorted(table["object"].unique()), bool(table["simulated"].all())
     (['box', 'cylinder'], True)
     """
-    files = _recording_files(Path(path) if path is not None else human_grasps_folder())
+    folder = human_grasps_folder() if path is None else file_path(path, "recordings")
+    files = _recording_files(folder)
     return pd.concat([_read_table(file) for file in files], ignore_index=True)
 
 
@@ -114,7 +116,7 @@ def load_human_objects(path: str | os.PathLike[str] | None = None) -> pd.DataFra
     >>> load_human_objects().loc["cylinder", "shape"]
     'cylinder'
     """
-    folder = Path(path) if path is not None else human_grasps_folder()
+    folder = human_grasps_folder() if path is None else file_path(path, "recordings")
     file = (folder if folder.is_dir() else folder.parent) / OBJECTS_FILE
     if not file.is_file():
         raise InputError(

@@ -24,6 +24,7 @@ from medkit.datasets import implicit
 from medkit.datasets import object_recipes_everyday as everyday
 from medkit.datasets import object_recipes_hand as hand
 from medkit.datasets import object_recipes_large as large
+from medkit.datasets.arguments import one_of
 from medkit.datasets.implicit import Part, mesh_of
 from medkit.errors import InputError
 from medkit.files import cache_folder, whole_file
@@ -132,21 +133,15 @@ def object_names(size: SizeClass | None = None) -> list[str]:
     >>> object_names("everyday")
     ['mug', 'bottle', 'hammer', 'salt_box', 'cereal_box']
     """
-    if size not in (None, "large", "hand", "everyday"):
-        raise InputError(
-            f"Expected a size class large, hand or everyday, but got {size!r}; name one of these."
-        )
+    if size is not None:
+        one_of(size, ("large", "hand", "everyday"), "a size class")
     return [name for name, info in _OBJECTS.items() if size in (None, info.size)]
 
 
 def object_info(name: str) -> ObjectInfo:
     """Return size class, category, counterpart in P13 of a named object; InputError if unknown."""
-    if name not in _OBJECTS:
-        raise InputError(
-            f"Expected one of the objects {', '.join(_OBJECTS)}, but got {name!r};"
-            " choose one of these, or read your own mesh file."
-        )
-    return _OBJECTS[name]
+    remedy = "choose one of these, or read your own mesh file"
+    return _OBJECTS[one_of(name, _OBJECTS, "an object", remedy)]
 
 
 def load_object(name: str, *, scale: float = 1.0) -> trimesh.Trimesh:

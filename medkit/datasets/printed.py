@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import resources
 from typing import TYPE_CHECKING
 
-from medkit.errors import InputError
+from medkit.datasets.arguments import one_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -54,11 +54,7 @@ def load_printed(name: str) -> pd.DataFrame:
     """
     import pandas as pd
 
-    if name not in PRINTED:
-        raise InputError(
-            f"Expected one of the printed tables {', '.join(PRINTED)}, but got {name!r};"
-            " choose one of these."
-        )
+    one_of(name, PRINTED, "a printed table")
     file = resources.files("medkit.datasets") / "theses" / f"{name}.csv"
     with file.open("r", encoding="utf-8") as text:
         table = pd.read_csv(text)
