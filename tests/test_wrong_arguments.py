@@ -1,18 +1,21 @@
 """A wrong argument gets one sentence: what was expected, what came, what to do."""
 
 import inspect
+import tempfile
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 import trimesh
 
-from medkit import grasping, handover, planar, quality
+from medkit import datasets, grasping, handover, planar, quality, similarity
 from medkit.errors import InputError
 from medkit.geometry import expected, points_array
 from medkit.grasping.batch import plan_many
 from medkit.grasping.planners import CANDIDATE_SOURCES
 from medkit.robots import load_hand
+from medkit.similarity import clusters, hands, ranking, symmetry
 
 HAND = load_hand("wsg50")
 BOX = trimesh.creation.box((0.03, 0.04, 0.1))
@@ -169,6 +172,27 @@ WRONG = {
 PINCH = {"points": [[-0.04, 0.0], [0.04, 0.0]], "normals": [[1.0, 0.0], [-1.0, 0.0]]}
 CIRCLE = [[np.cos(t), np.sin(t)] for t in np.arange(0.0, 6.0, 0.3)]
 QUICK = planar.SqueezeSettings(push_steps=2, settle_steps=2)
+HUMAN_TABLE = datasets.load_human_grasps().query("object == 'box' and trial == 1")
+HUMANS = similarity.grasps_from_recordings(HUMAN_TABLE)[0]
+BALL, SIZES = symmetry.ball_group(), [0.1, 0.1, 0.1]
+REFERENCE = similarity.human_reference(HUMANS, recorded_extents=SIZES, extents=SIZES, group=BALL)
+FOLDER = tempfile.TemporaryDirectory()  # goes with the process
+BOX.export(Path(FOLDER.name) / "box.stl")
+#: Right values where similarity and datasets are meant.
+COMPARED = {
+    "planned": HUMANS.fingertips, "human": HUMANS.fingertips, "recordings": HUMANS.fingertips,
+    "fingertips": np.vstack([HUMANS.fingertips] * 3), "radius": 0.1, "group": BALL, "fingers": 5,
+    "humans": HUMANS, "recorded_extents": SIZES, "extents": SIZES, "interchangeable": False,
+    "reference": REFERENCE, "subject": HUMANS.subjects()[0], "by": "d_z", "table": HUMAN_TABLE,
+    "cutoff": 8.0, "rate": 100.0, "settle": 0.0, "objects": datasets.load_human_objects(),
+    "mesh": trimesh.creation.icosphere(1), "rng": np.random.default_rng(0), "draws": 20, "most": 2,
+    "references": 2, "leave_out": "subject", "center": [0.0, 0.0, 0.0], "axis": [0.0, 0.0, 1.0],
+    "second": [1.0, 0.0, 0.0], "fold": 3, "flips": True, "measures": ("d_eucl", "d_z"),
+    "threshold": 0.1, "tolerance": 0.02, "size": "hand", "scale": 1.0, "ratings": None,
+    "path": None, "load_folder": {"path": FOLDER.name}, "load_printed": {"name": "timing_symmetry"},
+    "name": "salt_box", "rank_agreement": {
+        "table": similarity.rank_grasps(1.1 * HUMANS.fingertips, REFERENCE)},
+}  # fmt: skip
 #: One right value for each name of an argument, and for a function where the name means another.
 RIGHT = PINCH | {
     "friction": 0.5, "torque_origin": [0.0, 0.0], "torque_scale": 0.04, "edges": 8, "norm": "l1",
@@ -189,24 +213,43 @@ RIGHT = PINCH | {
 }  # fmt: skip
 
 
+ROOMS = (quality, planar, similarity, datasets)
+#: Which of them a room takes.
+RIGHT_IN = {"quality": RIGHT, "planar": RIGHT, "similarity": COMPARED, "datasets": COMPARED}
+#: What students call though the room's front does not name it.
+BEHIND = {
+    similarity: [
+        ranking.rank_agreement, ranking.ranking_stability, hands.correspondence,
+        hands.scaled_to_object, symmetry.trivial_group, symmetry.cyclic_group,
+        symmetry.dihedral_group, symmetry.revolution_group, symmetry.ball_group,
+        clusters.find_clusters, clusters.aligned,
+    ],
+}  # fmt: skip
+
+
+def public_functions(room):
+    names = getattr(room, "__all__", [name for name in vars(room) if name[0] != "_"])
+    front = [one for one in (getattr(room, name) for name in names) if inspect.isfunction(one)]
+    return front + BEHIND.get(room, [])
+
+
 def public_arguments(*rooms):
     for room in rooms:
-        for name in room.__all__:
-            function = getattr(room, name)
-            if not inspect.isfunction(function):
-                continue
+        for function in public_functions(room):
             for argument in inspect.signature(function).parameters.values():
                 if argument.kind is not argument.VAR_KEYWORD:
-                    yield pytest.param(function, argument.name, id=f"{name}-{argument.name}")
+                    name = f"{function.__name__}-{argument.name}"
+                    yield pytest.param(function, argument.name, id=name)
 
 
 def right_arguments(function):
-    known = RIGHT | RIGHT.get(function.__name__, {})
+    known = RIGHT_IN[function.__module__.split(".")[1]]
+    known = known | known.get(function.__name__, {})
     names = inspect.signature(function).parameters.values()
     return {one.name: known[one.name] for one in names if one.kind is not one.VAR_KEYWORD}
 
 
-@pytest.mark.parametrize(("function", "argument"), list(public_arguments(quality, planar)))
+@pytest.mark.parametrize(("function", "argument"), list(public_arguments(*ROOMS)))
 def test_whatever_comes_is_used_or_refused_in_one_sentence(function, argument):
     right = right_arguments(function)
     refused = 0
@@ -236,9 +279,7 @@ def test_what_is_no_table_of_trials_is_refused_in_one_sentence(function, wrong):
         function(wrong)
 
 
-@pytest.mark.parametrize("room", [quality, planar])
+@pytest.mark.parametrize("room", ROOMS)
 def test_the_right_arguments_of_the_law_are_right(room):
-    for name in room.__all__:
-        function = getattr(room, name)
-        if inspect.isfunction(function):
-            function(**right_arguments(function))
+    for function in public_functions(room):
+        function(**right_arguments(function))

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.cluster.hierarchy import fcluster, linkage
 
+from medkit.datasets.arguments import generator, whole
 from medkit.errors import InputError
 from medkit.geometry import Floats
 from medkit.similarity.measures import distance_table, fingertip_array
@@ -63,7 +64,7 @@ def find_clusters(
     Raises
     ------
     InputError
-        If there are fewer than ten grasps.
+        If there are fewer than ten grasps, or `rng`, `most` or `references` do not fit.
 
     Examples
     --------
@@ -77,7 +78,9 @@ def find_clusters(
             f"Expected at least ten grasps to look for clusters, but got {len(array)}; record more."
         )
     data = _principal(array.reshape(len(array), -1))
-    most = min(most, len(data) // 5)
+    most = min(whole(most, "most"), len(data) // 5)
+    references = whole(references, "references")
+    generator(rng)
     gap, error = _gap_statistic(data, most, references, rng)
     strength = _prediction_strength(data, most, references, rng)
     accepted = [k for k in range(1, most) if gap[k - 1] >= gap[k] - error[k]]

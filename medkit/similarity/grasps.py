@@ -7,9 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from medkit.datasets.human_grasps import FINGERS, SENSORS
+from medkit.datasets.arguments import table_with
+from medkit.datasets.human_grasps import COLUMNS, FINGERS, SENSORS
 from medkit.errors import InputError
-from medkit.geometry import Floats
+from medkit.geometry import Floats, nonnegative, positive
 from medkit.similarity.movements import THRESHOLD, find_movements, settled_sample
 from medkit.similarity.recordings import CUTOFF, Recording, lowpassed, resampled, speeds
 
@@ -122,7 +123,8 @@ def grasps_from_recordings(
     Raises
     ------
     InputError
-        If no trial gives a grasp, or a trial cannot be read as a recording.
+        If no table came, a setting does not fit, no trial gives a grasp, or a trial cannot be
+        read as a recording.
 
     Examples
     --------
@@ -132,6 +134,10 @@ def grasps_from_recordings(
     >>> grasps.fingertips.shape, len(failed)
     ((10, 5, 3), 0)
     """
+    remedy = "pass one from medkit.datasets.load_human_grasps"
+    table_with(table, tuple(COLUMNS), "a table of recordings", remedy)
+    positive(threshold, "threshold", " m/s")
+    settle = nonnegative(settle, "settle", " s")
     found, failed = [], []
     for (subject, name, trial), rows in table.groupby(["subject", "object", "trial"], sort=True):
         smooth = lowpassed(resampled(recording_from_rows(rows), rate=rate), cutoff=cutoff)

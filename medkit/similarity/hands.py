@@ -7,8 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from medkit.datasets.arguments import number_array, short
 from medkit.errors import InputError
-from medkit.geometry import Floats
+from medkit.geometry import Floats, expected
 from medkit.similarity.measures import fingertip_array
 
 #: Rows of weights over (thumb, index, middle, ring, little), one per robot finger in its order.
@@ -68,9 +69,11 @@ def correspondence(fingers: int, *, interchangeable: bool = False) -> Correspond
     array([[1.  , 0.  , 0.  , 0.  , 0.  ],
            [0.  , 0.25, 0.25, 0.25, 0.25]])
     """
-    if fingers not in _SHARES:
+    remedy = "say whether the jaws may be swapped"
+    expected(interchangeable, (bool, np.bool_), "interchangeable as True or False", remedy)
+    if not isinstance(fingers, int | np.integer) or fingers not in _SHARES:
         raise InputError(
-            f"Expected a hand of two to five fingers, but got {fingers};"
+            f"Expected a hand of two to five fingers, but got {short(fingers)};"
             " leave out fingers that take no part."
         )
     weights = np.zeros((fingers, 5))
@@ -108,10 +111,14 @@ def scaled_to_object(
     >>> scaled_to_object(np.ones((1, 5, 3)), recorded_extents=[1, 1, 1], extents=[2, 1, 3])[0, 0]
     array([2., 1., 3.])
     """
-    old, new = (np.asarray(size, dtype=float).reshape(-1) for size in (recorded_extents, extents))
+    remedy = "give both objects' extents"
+    old, new = (
+        number_array(size, "three sizes", remedy).reshape(-1)
+        for size in (recorded_extents, extents)
+    )
     if old.shape != (3,) or new.shape != (3,) or not np.all((old > 0.0) & (new > 0.0)):
         raise InputError(
-            f"Expected three sizes above zero, but got {old} and {new} m; give both objects'"
-            " extents."
+            f"Expected three sizes above zero, but got {short(old.tolist())} and"
+            f" {short(new.tolist())} m; {remedy}."
         )
     return fingertip_array(fingertips, "human grasps") * (new / old)

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from medkit.datasets.arguments import number_array
 from medkit.errors import InputError
 from medkit.geometry import Floats, positive
 from medkit.similarity.symmetry import SymmetryGroup, rotated_to, trivial_group
@@ -210,12 +211,13 @@ def fingertip_array(fingertips: ArrayLike, name: str) -> Floats:
     InputError
         If the shape is another, there is no grasp, or a number is not finite.
     """
-    array = np.asarray(fingertips, dtype=float)
+    remedy = "pass one row of three coordinates per finger"
+    array = number_array(fingertips, f"fingertips of {name}", remedy)
     array = array[None] if array.ndim == 2 else array
     if array.ndim != 3 or array.shape[2] != 3 or 0 in array.shape:
         raise InputError(
             f"Expected fingertips of {name} of shape (n, fingers, 3), but got shape"
-            f" {np.shape(fingertips)}; pass one row of three coordinates per finger."
+            f" {np.shape(fingertips)}; {remedy}."
         )
     spoilt = np.flatnonzero(~np.isfinite(array).all(axis=(1, 2)))
     if spoilt.size:

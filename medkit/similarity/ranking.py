@@ -10,8 +10,9 @@ import pandas as pd
 from numpy.typing import ArrayLike
 from scipy.stats import kendalltau
 
+from medkit.datasets.arguments import generator, one_of, table_with, whole
 from medkit.errors import InputError
-from medkit.geometry import Floats
+from medkit.geometry import Floats, expected
 from medkit.similarity.grasps import HumanGrasps
 from medkit.similarity.hands import correspondence, scaled_to_object
 from medkit.similarity.measures import (
@@ -85,8 +86,13 @@ def human_reference(
     Raises
     ------
     InputError
-        If the grasps are of several objects, or sizes or fingers do not fit.
+        If an argument is of another kind, the grasps are of several objects, or sizes or fingers
+        do not fit.
     """
+    remedy = "take them from grasps_from_recordings"
+    expected(humans, HumanGrasps, "human grasps", remedy)
+    remedy = "take one from symmetry_group_from_mesh"
+    expected(group, SymmetryGroup, "a symmetry group", remedy)
     if len(set(humans.object.tolist())) != 1:
         raise InputError(
             f"Expected grasps of one object, but got {', '.join(sorted(set(humans.object)))};"
@@ -134,12 +140,12 @@ def rank_grasps(
     Raises
     ------
     InputError
-        If shapes, subject or measure do not fit.
+        If no reference came, or shapes, subject or measure do not fit.
     """
-    if by not in MEASURES:
-        raise InputError(f"Expected a measure among {', '.join(MEASURES)}, but got {by!r}.")
+    one_of(by, MEASURES, "a measure")
     grasps = fingertip_array(planned, "planned grasps")
-    names = sorted(set(reference.subject.tolist())) if subject is None else [subject]
+    everyone = sorted(set(checked_reference(reference).subject.tolist()))
+    names = everyone if subject is None else [one_of(subject, everyone, "a subject")]
     variants = [_measured(grasps[:, order], reference, names, radius) for order in reference.orders]
     table = variants[0]
     for other in variants[1:]:
@@ -150,17 +156,18 @@ def rank_grasps(
     return table.assign(rank=np.arange(1, len(table) + 1))
 
 
+def checked_reference(reference: HumanReference) -> HumanReference:
+    """Return the reference as it is; `InputError` where something else came."""
+    remedy = "make one with human_reference"
+    return expected(reference, HumanReference, "a reference to human grasps", remedy)
+
+
 def _measured(
     grasps: Floats, reference: HumanReference, names: list[str], radius: float
 ) -> pd.DataFrame:
     columns: dict[str, list[Floats]] = {"d_eucl": [], "d_z": [], "d_symmetric": []}
     for name in names:
         trials = reference.fingertips[reference.subject == name]
-        if len(trials) == 0:
-            raise InputError(
-                f"Expected a subject among {', '.join(sorted(set(reference.subject)))}, but got"
-                f" {name!r}; choose one of them."
-            )
         columns["d_eucl"].append(d_eucl(grasps, trials))
         columns["d_z"].append(d_z(grasps, trials))
         columns["d_symmetric"].append(d_symmetric(grasps, trials, group=reference.group))
@@ -203,8 +210,13 @@ def rank_agreement(
     Raises
     ------
     InputError
-        If there are fewer than five grasps.
+        If there are fewer than five grasps or two measures, a measure is no column, or `rng` or
+        `draws` do not fit.
     """
+    expected(measures, (list, tuple), "measures as a tuple of columns", "pass two or more of them")
+    table_with(table, measures, "a ranking", "pass a table from rank_grasps")
+    draws = whole(draws, "draws")
+    generator(rng)
     if len(table) < 5:
         raise InputError(
             f"Expected at least five grasps for a rank correlation, but got {len(table)};"
@@ -258,8 +270,9 @@ def ranking_stability(
 
 def _reduced(reference: HumanReference, leave_out: str) -> list[tuple[str, HumanReference]]:
     subjects = sorted(set(reference.subject.tolist()))
-    if leave_out not in ("subject", "trial") or len(reference.subject) < 2:
-        raise InputError(f"Expected leave_out to be subject or trial, but got {leave_out!r}.")
+    one_of(leave_out, ("subject", "trial"), "leave_out")
+    if len(reference.subject) < 2:
+        raise InputError("Expected two trials or more to leave one out, but got one; record more.")
     if leave_out == "subject":
         if len(subjects) < 2:
             raise InputError("Expected two subjects or more, but got one; leave out trials.")

@@ -9,8 +9,16 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
+from medkit.datasets.arguments import generator, number_array, whole
 from medkit.errors import InputError
-from medkit.geometry import Floats, perpendicular, random_rotation, rotation_about, unit
+from medkit.geometry import (
+    Floats,
+    expected,
+    perpendicular,
+    random_rotation,
+    rotation_about,
+    unit,
+)
 
 Continuous = Literal["none", "axis", "all"]
 _NO_PLANES = np.zeros((0, 3))
@@ -40,7 +48,7 @@ class SymmetryGroup:
 
     def contains(self, rotation: ArrayLike, *, tolerance: float = 1e-6) -> bool:
         """Whether a rotation (3, 3) belongs to the group, entries within `tolerance` [1]."""
-        turn = np.asarray(rotation, dtype=float)
+        turn = _numbers(rotation, (3, 3), "a rotation")
         if self.continuous == "all":
             return True
         if self.continuous == "axis":
@@ -51,6 +59,7 @@ class SymmetryGroup:
 
     def random_element(self, *, rng: np.random.Generator) -> Floats:
         """One rotation (3, 3) of the group, drawn evenly."""
+        generator(rng)
         if self.continuous == "all":
             return random_rotation(rng)
         part = self.rotations[rng.integers(len(self.rotations))]
@@ -71,7 +80,7 @@ class SymmetryGroup:
         SymmetryGroup
             For a can that must stand upright: the turns about its axis without the flips.
         """
-        fixed = unit(direction)
+        fixed = _line(direction, "direction")
         if self.continuous == "all":
             return revolution_group(fixed, center=self.center)
         if self.continuous == "axis" and abs(float(self.axis @ fixed)) > 1.0 - 1e-6:
@@ -108,9 +117,9 @@ def cyclic_group(
     >>> cyclic_group([0, 0, 1], 4).order
     4.0
     """
-    line = unit(axis)
-    parts = np.stack([rotation_about(line, 2.0 * np.pi * k / fold) for k in range(fold)])
-    return SymmetryGroup(f"C{fold}", _place(center), parts, line)
+    line, count = _line(axis), whole(fold, "fold")
+    parts = np.stack([rotation_about(line, 2.0 * np.pi * k / count) for k in range(count)])
+    return SymmetryGroup(f"C{count}", _place(center), parts, line)
 
 
 def dihedral_group(
@@ -123,18 +132,19 @@ def dihedral_group(
     >>> dihedral_group([0, 0, 1], 2, [1, 0, 0]).order
     4.0
     """
-    line = unit(axis)
-    across = np.asarray(second, dtype=float)
+    line, count = _line(axis), whole(fold, "fold")
+    across = _numbers(second, (3,), "the second axis")
     across = unit(across - (across @ line) * line)
-    parts = generated([rotation_about(line, 2.0 * np.pi / fold), rotation_about(across, np.pi)])
-    return SymmetryGroup(f"D{fold}", _place(center), parts, line)
+    parts = generated([rotation_about(line, 2.0 * np.pi / count), rotation_about(across, np.pi)])
+    return SymmetryGroup(f"D{count}", _place(center), parts, line)
 
 
 def revolution_group(
     axis: ArrayLike, *, flips: bool = False, center: ArrayLike = (0.0, 0.0, 0.0)
 ) -> SymmetryGroup:
     """Return every turn about `axis`; with `flips` also the half turns across it (a cylinder)."""
-    line = unit(axis)
+    line = _line(axis)
+    expected(flips, (bool, np.bool_), "flips as True or False", "say whether a cylinder is meant")
     parts = [np.eye(3)] + ([rotation_about(perpendicular(line), np.pi)] if flips else [])
     name = "Dinf" if flips else "Cinf"
     return SymmetryGroup(name, _place(center), np.stack(parts), line, "axis")
@@ -188,6 +198,8 @@ def rotated_to(planned: Floats, human: Floats, group: SymmetryGroup) -> Floats:
         For each pair the recorded grasp, turned [m]. The minimum is exact also for continuous
         groups: in closed form about an axis, by Kabsch's decomposition for a ball.
     """
+    remedy = "take one from symmetry_group_from_mesh"
+    expected(group, SymmetryGroup, "a symmetry group", remedy)
     p = planned - group.center
     h = human - group.center
     best = np.full((len(p), len(h)), np.inf)
@@ -235,4 +247,21 @@ def _turn_any_way(p: Floats, h: Floats) -> Floats:
 
 
 def _place(center: ArrayLike) -> Floats:
-    return np.asarray(center, dtype=float).reshape(3)
+    flat = number_array(center, "a center", "pass three coordinates").reshape(-1)
+    return _numbers(flat, (3,), "a center")
+
+
+def _line(axis: ArrayLike, name: str = "axis") -> Floats:
+    return unit(_numbers(axis, (3,), f"the {name}"))
+
+
+def _numbers(values: ArrayLike, shape: tuple[int, ...], what: str) -> Floats:
+    """Return finite numbers of a shape, or raise `InputError`."""
+    remedy = f"pass an array of shape {shape}"
+    array = number_array(values, what, remedy)
+    if array.shape != shape or not np.all(np.isfinite(array)):
+        raise InputError(
+            f"Expected {what} of finite numbers in shape {shape}, but got shape {array.shape}"
+            f" or a number that is not finite; {remedy}."
+        )
+    return array

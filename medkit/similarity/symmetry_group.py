@@ -15,8 +15,9 @@ import numpy as np
 import trimesh
 from scipy.spatial import QhullError, cKDTree
 
+from medkit.datasets.arguments import generator
 from medkit.errors import InputError
-from medkit.geometry import Floats, perpendicular, positive, rotation_about, unit
+from medkit.geometry import Floats, expected, perpendicular, positive, rotation_about, unit
 from medkit.similarity.symmetry import (
     SymmetryGroup,
     ball_group,
@@ -88,7 +89,8 @@ def symmetry_group_from_mesh(
     Raises
     ------
     InputError
-        If the mesh has no area.
+        If no mesh came or it has no area, the tolerance is not above zero, or `rng` is not a
+        generator.
 
     Examples
     --------
@@ -96,7 +98,9 @@ def symmetry_group_from_mesh(
     'Dinf'
     """
     limit = positive(tolerance, "tolerance")
-    surface = _surface_from_mesh(mesh, rng if rng is not None else np.random.default_rng(0))
+    expected(mesh, trimesh.Trimesh, "a mesh", "read one with medkit.meshes.load_mesh")
+    rng = np.random.default_rng(0) if rng is None else generator(rng)
+    surface = _surface_from_mesh(mesh, rng)
     group = _rotation_group(surface, limit)
     group = replace(group, center=surface.center)
     return replace(group, mirrors=_mirrors(surface, group, limit))

@@ -7,7 +7,9 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from medkit.datasets.human_grasps import COLUMNS, SENSORS
+from medkit.datasets.arguments import table_with
+from medkit.datasets.human_grasps import COLUMNS, OBJECT_COLUMNS, SENSORS
+from medkit.geometry import expected
 
 #: Wrist and fingertips further than this [m] from the object's centre cannot be metres.
 FAR = 5.0
@@ -35,6 +37,11 @@ def validate(table: pd.DataFrame, objects: pd.DataFrame | None = None) -> pd.Dat
         One row per finding: severity ("error", "warning"), rows (where), problem, advice. Empty
         when nothing was found.
 
+    Raises
+    ------
+    InputError
+        If something else than a table came; a table that lacks columns is a finding.
+
     Examples
     --------
     >>> from medkit.datasets import load_human_grasps, load_human_objects
@@ -42,6 +49,11 @@ def validate(table: pd.DataFrame, objects: pd.DataFrame | None = None) -> pd.Dat
     >>> len(validate(table[table["trial"] < 3], load_human_objects()))
     0
     """
+    remedy = "pass one from medkit.datasets.load_human_grasps"
+    expected(table, pd.DataFrame, "a table of recordings", remedy)
+    if objects is not None:
+        remedy = "pass one from medkit.datasets.load_human_objects"
+        table_with(objects, OBJECT_COLUMNS[2:], "a table of objects", remedy)
     missing = [column for column in COLUMNS if column not in table.columns]
     if missing:
         findings = [("error", "whole table", f"the columns {', '.join(missing)} are missing",
