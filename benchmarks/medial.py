@@ -140,8 +140,10 @@ def timed_row(label: str, mesh: trimesh.Trimesh, spacing: float | None, before: 
     """Print one line of the axis table."""
     sample = sample_surface(mesh, spacing=spacing)
     n = len(sample)
-    sampling = 1e6 * cpu_seconds(lambda: sample_surface(mesh, spacing=spacing)) / n
-    ours = 1e6 * cpu_seconds(lambda: medial_axis_from_surface(sample), 5) / n
+    large = n > 30_000  # long runs vary less
+    sampling = cpu_seconds(lambda: sample_surface(mesh, spacing=spacing), 1 if large else 3)
+    sampling *= 1e6 / n
+    ours = 1e6 * cpu_seconds(lambda: medial_axis_from_surface(sample), 3 if large else 5) / n
     times = rival_times(sample, before, full)
     cells = "".join(f"{times[r]:>9.1f}" if r in times else f"{'-':>9}" for r in RIVALS)
     print(f"{label:>14}{n:>9}{sampling:>10.1f}{ours:>9.1f}{sampling + ours:>7.1f}{cells}"
@@ -235,7 +237,7 @@ def run_memory() -> None:
 
 
 def run() -> None:
-    """All tables: about four minutes.
+    """All tables: about five minutes of one core.
 
     With a folder in the variable MEDKIT_MESHES, its meshes too; with MEDKIT_FULL=1 both rivals at
     all sizes, which takes half an hour.
