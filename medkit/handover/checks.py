@@ -7,7 +7,9 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
+from medkit.datasets.arguments import generator, whole
 from medkit.errors import InputError
+from medkit.geometry import expected
 from medkit.handover.cells import RatingCells, design_columns, rating_cells
 from medkit.handover.claims import claims, subject_estimates, thesis_claims
 from medkit.handover.ordinal import fit_cumulative_logit, rating_probabilities
@@ -83,7 +85,9 @@ def calibration(
     >>> bool((table["predicted"] - table["observed"]).abs().max() < 0.15)
     True
     """
-    cells = rating_cells(trials)
+    cells, bins = rating_cells(trials), whole(bins, "bins")
+    remedy = "say whether each subject is predicted from the others"
+    expected(leave_subject_out, (bool, np.bool_), "leave_subject_out as True or False", remedy)
     chances = predicted_probabilities(cells, leave_subject_out=leave_subject_out)
     parts = []
     for event, levels in (("at least acceptable", [1, 2]), ("good", [2])):
@@ -135,7 +139,8 @@ def predictive_check(
         simulated ones: the shares of good and of bad, the share of unanimous cells (four equal
         ratings), the share of cells holding both good and bad.
     """
-    cells = rating_cells(trials)
+    cells, draws = rating_cells(trials), whole(draws, "draws")
+    generator(rng)
     chances = predicted_probabilities(cells)
     sizes = cells.counts.sum(axis=1).astype(int)
     drawn = np.array([_statistics(rng.multinomial(sizes, chances)) for _ in range(draws)])
@@ -205,6 +210,8 @@ def sensitivity(
     pandas.DataFrame
         Columns (reading, "estimate"), (reading, "verdict"); a row per claim.
     """
+    remedy = "pass a dictionary of tables, or leave it out"
+    expected(tables, (Mapping, type(None)), "readings of the table by name", remedy)
     parts = {}
     for name, trials in (readings() if tables is None else tables).items():
         table = claims(trials, draws=draws, shuffles=shuffles)
@@ -257,6 +264,11 @@ def method_agreement(trials: pd.DataFrame) -> pd.DataFrame:
     from medkit.handover.mixed import fit_population
 
     cells = rating_cells(trials)
+    if len(cells.poses) != 2 or len(cells.modes) != 2:
+        raise InputError(
+            f"Expected trials in two poses and two modes, came {len(cells.poses)} and"
+            f" {len(cells.modes)}; pass a table that holds both of each."
+        )
     rows = _ordered_model_rows(cells)
     for method, slopes in (("random intercepts", ()), ("random force slopes", ("root_force",))):
         fit = fit_population(trials, terms=TERMS, slopes=slopes)

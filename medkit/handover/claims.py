@@ -15,6 +15,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
+from medkit.datasets.arguments import whole
 from medkit.errors import InputError
 from medkit.geometry import expected
 from medkit.handover import estimands
@@ -47,6 +48,7 @@ class Claim:
 
 def thesis_claims(subject: str = "T4") -> tuple[Claim, ...]:
     """Return the seven claims of L14 section 4.2; `subject` is the one called least sensitive."""
+    expected(subject, str, "the name of a subject", 'pass one such as "T4"')
     ratio, shift = "log-odds", "N"
     pose = partial(estimands.contrast_effect, column="pose", better="P1", worse="P2")
     mode = partial(estimands.contrast_effect, column="mode", better="position", worse="impedance")
@@ -102,8 +104,8 @@ def claims(
     Raises
     ------
     InputError
-        If no table came, it has fewer than two subjects or one kind of rating only, or `rng` is
-        not a generator.
+        If no table came, it has fewer than two subjects or one kind of rating only, or another
+        argument is of another kind.
 
     Examples
     --------
@@ -115,6 +117,7 @@ def claims(
     rng = np.random.default_rng(0) if rng is None else rng
     remedy = "pass rng=numpy.random.default_rng(0), or leave it out"
     expected(rng, np.random.Generator, "a random generator as rng", remedy)
+    draws, shuffles = whole(draws, "draws", 0), whole(shuffles, "shuffles", 0)
     cells = rating_cells(trial_table(trials))
     if len(cells.subjects) < 2:
         raise InputError(

@@ -14,11 +14,14 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import minimize
 
+from medkit.datasets.arguments import one_of
 from medkit.errors import InputError
+from medkit.geometry import expected
 from medkit.handover.cells import design_columns, rating_cells
 from medkit.handover.ordinal import fit_cumulative_logit
 
 Array = np.ndarray
+TERMS = ("root_force", "weight", "pose", "mode", "subject")
 
 
 @dataclass(frozen=True)
@@ -140,14 +143,31 @@ def fit_population(
     -------
     MixedLogit
         Names of poses and modes are spelled out, for example ``pose P2``.
+
+    Raises
+    ------
+    InputError
+        If no table came, a term is unknown, or a slope is not among the terms.
     """
     cells = rating_cells(trials)
+    for name, columns in (("terms", terms), ("slopes", slopes)):
+        _check_terms(columns, name)
     names: list[str] = []
     for term in terms:
         levels = {"pose": cells.poses, "mode": cells.modes}.get(term)
         names += [term] if levels is None else [f"{term} {level}" for level in levels[1:]]
     design = design_columns(cells, terms)
     return fit_mixed_logit(design, cells.counts, cells.subject, names=names, slopes=slopes)
+
+
+def _check_terms(columns: Sequence[str], name: str) -> None:
+    remedy = 'pass a tuple such as ("root_force", "weight")'
+    expected(columns, (list, tuple), f"{name} as a tuple of columns", remedy)
+    for column in columns:
+        if name == "terms":
+            one_of(column, TERMS, name, remedy)
+        else:
+            expected(column, str, f"names of columns as {name}", remedy)
 
 
 class _Problem:

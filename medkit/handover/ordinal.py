@@ -12,7 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from medkit.datasets.arguments import number_array
 from medkit.errors import InputError
+from medkit.geometry import nonnegative, positive
 
 Array = np.ndarray
 
@@ -71,7 +73,7 @@ def fit_cumulative_logit(
     Raises
     ------
     InputError
-        If the shapes do not match or no cell has a rating.
+        If the shapes do not match, a number is not one that can be, or no cell has a rating.
 
     Examples
     --------
@@ -81,10 +83,12 @@ def fit_cumulative_logit(
     >>> bool(fit.coefficients[0, 0] < 0), bool(fit.converged[0])
     (True, True)
     """
-    design, counts = np.asarray(design, dtype=float), np.asarray(counts, dtype=float)
+    design = number_array(design, "a design", "pass one row per cell")
+    counts = number_array(counts, "counts", "pass bad, acceptable, good of every cell")
     counts = counts[None] if counts.ndim == 2 else counts
     _check(design, counts)
-    point = _start(design, counts) if start is None else np.tile(start, (len(counts), 1))
+    ridge, tolerance = nonnegative(ridge, "ridge"), positive(tolerance, "tolerance")
+    point = _start(design, counts) if start is None else _given_start(start, design, counts)
     value = _objective(design, counts, point, ridge)
     done = np.zeros(len(counts), dtype=bool)
     for _ in range(60):
@@ -122,7 +126,14 @@ def rating_probabilities(eta: Array, thresholds: Array) -> Array:
     >>> rating_probabilities(np.array(0.0), np.array([-1.0, 1.0])).round(3).tolist()
     [0.269, 0.462, 0.269]
     """
-    below = _logistic(np.asarray(thresholds) - np.asarray(eta)[..., None])
+    eta = number_array(eta, "linear predictors", "pass one number per cell")
+    thresholds = number_array(thresholds, "thresholds", "pass two that ascend")
+    if thresholds.shape[-1:] != (2,) or np.any(np.isnan(thresholds)):
+        raise InputError(
+            f"Expected two thresholds, but got shape {thresholds.shape} or NaN; pass two that"
+            " ascend, between bad and acceptable and between acceptable and good."
+        )
+    below = _logistic(thresholds - eta[..., None])
     first, second = below[..., 0], below[..., 1]
     return np.stack([first, second - first, 1.0 - second], axis=-1)
 
@@ -173,11 +184,29 @@ def eta_at_score(level: float, thresholds: Array) -> Array:
 def _check(design: Array, counts: Array) -> None:
     if design.ndim != 2 or counts.ndim != 3 or counts.shape[1:] != (len(design), 3):
         raise InputError(
-            f"Expected counts of shape (cells, 3) or (sets, cells, 3) for a design of"
-            f" {len(design)} cells, came {counts.shape}; pass one row of counts per cell."
+            f"Expected counts of shape (cells, 3) or (sets, cells, 3) for a design of shape"
+            f" {design.shape}, came {counts.shape}; pass one row of counts per cell."
+        )
+    if not np.isfinite(design).all() or not (counts >= 0).all():
+        raise InputError(
+            "Expected finite numbers in the design and counts of 0 or more, but at least one is"
+            " not; leave such cells out."
         )
     if not (counts.sum(axis=(1, 2)) > 0).all():
         raise InputError("Expected ratings in every data set, but one has none; leave it out.")
+
+
+def _given_start(start: Array, design: Array, counts: Array) -> Array:
+    """Return the point to start from for every data set, (m, p + 2), checked."""
+    point = number_array(start, "a start", "pass thresholds and coefficients")
+    if point.shape != (design.shape[1] + 2,) or not np.isfinite(point).all():
+        raise InputError(
+            f"Expected a start of {design.shape[1] + 2} finite numbers, but got shape"
+            f" {point.shape} or NaN; pass two thresholds, then one coefficient a column."
+        )
+    if not point[0] < point[1]:
+        raise InputError("Expected a start with ascending thresholds, but they do not; swap them.")
+    return np.tile(point, (len(counts), 1))
 
 
 def _logistic(x: Array) -> Array:

@@ -8,7 +8,9 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
+from medkit.datasets.arguments import generator, number_array, short, table_with, whole
 from medkit.errors import InputError
+from medkit.geometry import expected, positive
 from medkit.handover.cells import RatingCells, design_columns, rating_cells
 from medkit.handover.estimands import subject_tables
 from medkit.handover.ordinal import fit_cumulative_logit, rating_probabilities
@@ -47,7 +49,7 @@ def simulate_population(
     Raises
     ------
     InputError
-        If the trials hold one subject only.
+        If the trials hold one subject only, or another argument is of another kind.
 
     Examples
     --------
@@ -56,7 +58,9 @@ def simulate_population(
     >>> len(drawn), drawn.attrs["simulated"]
     (648, True)
     """
-    cells = rating_cells(trials)
+    cells, repetitions = rating_cells(trials), whole(repetitions, "repetitions")
+    subjects = whole(subjects, "subjects")
+    generator(rng)
     if len(cells.subjects) < 2:
         raise InputError(
             "Expected at least two subjects to draw more like them, came one; add some."
@@ -104,12 +108,19 @@ def slope_power(
         from so few subjects), ``subjects``, mean ``half_width`` of the 95 % t interval [N/kg], and
         the chance ``power`` that it excludes zero.
     """
+    estimates = number_array(estimates, "slopes", "pass those of slope_estimates")
     known = estimates[np.isfinite(estimates)]
+    if not len(known):
+        raise InputError(
+            "Expected finite slopes, but there is none; pass those of slope_estimates."
+        )
+    sizes, draws, observed = _sizes(subjects), whole(draws, "draws"), whole(observed, "observed", 2)
+    generator(rng)
     factor = float(np.sqrt((observed - 1) / stats.chi2.ppf(0.2, observed - 1)))
     rows = []
     for name, scale in (("as estimated", 1.0), ("larger", factor)):
         pool = known.mean() + scale * (known - known.mean())
-        for size in subjects:
+        for size in sizes:
             _, low, high = subject_interval(rng.choice(pool, size=(size, draws)))
             rows.append((name, size, float(np.mean(high - low) / 2), float(np.mean(low > 0))))
     return pd.DataFrame(rows, columns=["spread", "subjects", "half_width", "power"])
@@ -137,11 +148,14 @@ def claim_power(
         ``number`` of the claim, ``subjects``, ``power``: chance that the 95 % t interval over
         subjects excludes zero.
     """
+    _checked_estimates(estimates)
+    sizes, draws = _sizes(subjects), whole(draws, "draws")
+    generator(rng)
     rows = []
     for number, row in estimates.drop(index=5, errors="ignore").iterrows():
         pool = row.to_numpy(float)
         pool = pool[np.isfinite(pool)]
-        for size in subjects if len(pool) else ():
+        for size in sizes if len(pool) else ():
             _, low, high = subject_interval(rng.choice(pool, size=(size, draws)))
             rows.append((number, size, float(np.mean((low > 0) | (high < 0)))))
     return pd.DataFrame(rows, columns=["number", "subjects", "power"])
@@ -169,7 +183,9 @@ def normal_population(
     pandas.DataFrame
         A row per claim number, `size` columns.
     """
-    plain = estimates.drop(index=5, errors="ignore")
+    size = whole(size, "size")
+    generator(rng)
+    plain = _checked_estimates(estimates).drop(index=5, errors="ignore")
     mean = plain.mean(axis=1).to_numpy()
     spread = plain.std(axis=1, ddof=1).to_numpy()
     drawn = mean[:, None] + spread[:, None] * rng.standard_normal((len(plain), size))
@@ -190,8 +206,28 @@ def subjects_needed(power: pd.DataFrame, *, chance: float = 0.8) -> pd.Series:
     >>> subjects_needed(table).tolist()
     [8.0]
     """
+    remedy = "pass one from claim_power"
+    table_with(power, ("number", "subjects", "power"), "a table of powers", remedy)
+    if not positive(chance, "chance") <= 1.0:
+        raise InputError(f"Expected a chance of at most 1, but got {chance:g}; pass 0.8, say.")
     enough = power["subjects"].where(power["power"] >= chance)
     return enough.groupby(power["number"]).min().rename("subjects")
+
+
+def _sizes(subjects: Sequence[int]) -> list[int]:
+    """Return the sizes of experiments, each a whole number of people."""
+    remedy = "pass a tuple such as (4, 8, 16)"
+    sizes = number_array(subjects, "subjects", remedy)
+    if sizes.ndim != 1:
+        raise InputError(
+            f"Expected several numbers of subjects, but got {short(subjects)}; {remedy}."
+        )
+    return [whole(size, "subjects") for size in sizes]
+
+
+def _checked_estimates(estimates: pd.DataFrame) -> pd.DataFrame:
+    remedy = "pass one from subject_estimates"
+    return expected(estimates, pd.DataFrame, "a table of estimates", remedy)
 
 
 def _gap_covariance(covariance: Array, gap: Array) -> Array:

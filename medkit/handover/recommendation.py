@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from medkit.errors import InputError
+from medkit.geometry import nonnegative
 from medkit.handover.release import iso_score
 
 GRAVITY = 9.81  # [m/s^2]
@@ -54,11 +54,8 @@ def recommend_force(
     >>> row["mode"], round(float(row["lower"]), 2), row["window"]
     ('position', 1.48, 'open')
     """
-    if weight_error_kg < 0 or bump_N < 0:
-        raise InputError(
-            f"Expected allowances of 0 or more, came weight_error_kg={weight_error_kg:g} and"
-            f" bump_N={bump_N:g}; pass how much may go wrong, without a sign."
-        )
+    weight_error_kg = nonnegative(weight_error_kg, "weight_error_kg", " kg")
+    bump_N = nonnegative(bump_N, "bump_N", " N")
     curve = iso_score(trials, level, weights=weights)
     lower = GRAVITY * weight_error_kg + bump_N
     window = np.select([lower < curve["low"], lower < curve["force"]], ["open", "narrow"], "closed")

@@ -7,6 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
+from medkit.datasets.arguments import generator, number_array, one_of, whole
+from medkit.errors import InputError
+from medkit.geometry import expected
 from medkit.handover.mixed import fit_mixed_logit
 from medkit.handover.ordinal import rating_probabilities
 
@@ -78,6 +81,9 @@ def recovery_study(
         Per coefficient the truth, the mean estimate, the bias, its Monte Carlo error, and the
         share of 95 % Wald intervals that hold the truth.
     """
+    studies, subjects = whole(studies, "studies"), whole(subjects, "subjects")
+    generator(rng)
+    _check_effects(slopes, spread)
     truth = np.array([-3.0, 2.5])
     force, weight = (grid.ravel() for grid in np.meshgrid([0.5, 2, 5, 7, 10, 15], [0.1, 0.4, 0.8]))
     one = np.column_stack([np.sqrt(force), weight])
@@ -101,3 +107,17 @@ def recovery_study(
         },
         index=pd.Index(names, name="coefficient"),
     )  # fmt: skip
+
+
+def _check_effects(slopes: Sequence[str], spread: Sequence[Sequence[float]]) -> None:
+    """Refuse slopes that are no columns, and a covariance that is none or of another size."""
+    remedy = 'pass (), ("root_force",) or the like'
+    for name in expected(slopes, (list, tuple), "slopes as a tuple of columns", remedy):
+        one_of(name, ("root_force", "weight"), "slopes", remedy)
+    size = 1 + len(slopes)
+    matrix = number_array(spread, "spread", "pass a nested tuple such as ((0.6,),)")
+    if matrix.shape != (size, size) or not np.isfinite(matrix).all():
+        raise InputError(
+            f"Expected spread to be finite numbers of shape {(size, size)}, but got shape"
+            f" {matrix.shape} or NaN; pass the covariance of the intercept and every slope."
+        )

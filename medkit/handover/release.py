@@ -15,6 +15,7 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 
+from medkit.datasets.arguments import generator, number_array, one_of, short, whole
 from medkit.errors import InputError
 from medkit.handover.cells import RatingCells, design_columns, rating_cells, stratum_codes
 from medkit.handover.estimands import subject_tables, subject_variation
@@ -123,11 +124,13 @@ def iso_score(
     >>> curve.loc[(curve.pose == "P1") & (curve["mode"] == "position"), "force"].round(1).tolist()
     [3.5, 5.4]
     """
+    one_of(scope, ("people", "these"), "scope")
     lines = root_force_lines(trials, level)
+    given = None if weights is None else _given_weights(weights)
     drawn = [None] * len(lines) if scope == "people" else _drawn(trials, level, draws, rng)
     parts = []
     for line, again in zip(lines, drawn, strict=True):
-        at = line.weights if weights is None else np.asarray(weights, dtype=float)
+        at = line.weights if given is None else given
         root = line.root_force(at)[0]
         mean, low, high = subject_interval(root)
         if again is not None:
@@ -171,6 +174,7 @@ def iso_slope(
     >>> iso_slope(load_trials())["proportional"].unique().tolist()
     ['contradicted']
     """
+    one_of(scope, ("people", "these"), "scope")
     lines = root_force_lines(trials, level)
     drawn = lines if scope == "people" else _drawn(trials, level, draws, rng)
     single = [rise_over_weight(line) for line in lines]
@@ -190,6 +194,16 @@ def iso_slope(
             }
         )  # fmt: skip
     return pd.DataFrame(rows)
+
+
+def _given_weights(weights: Sequence[float]) -> Array:
+    at = number_array(weights, "weights", "pass a list of masses [kg]")
+    if at.ndim != 1 or not (np.isfinite(at) & (at >= 0)).all():
+        raise InputError(
+            f"Expected weights to be a list of masses of 0 kg or more, but got {short(weights)};"
+            " pass such a list, or leave it out."
+        )
+    return at
 
 
 def _lines(part: RatingCells, multiplicity: Array, level: float) -> RootForceLines:
@@ -223,7 +237,8 @@ def _lines(part: RatingCells, multiplicity: Array, level: float) -> RootForceLin
 def _drawn(
     trials: pd.DataFrame, level: float, draws: int, rng: np.random.Generator | None
 ) -> list[RootForceLines]:
-    rng = np.random.default_rng(0) if rng is None else rng
+    rng = np.random.default_rng(0) if rng is None else generator(rng)
+    draws = whole(draws, "draws", 2)
     cells = rating_cells(trials)
     strata = stratum_codes(cells.subject, cells.pose, cells.mode, cells.force)
     return root_force_lines(trials, level, multiplicity=bootstrap_weights(strata, draws, rng))

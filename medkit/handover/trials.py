@@ -9,10 +9,11 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 
+from medkit.datasets.arguments import one_of, table_with
 from medkit.datasets.handover_schema import KEY, RATINGS
 from medkit.datasets.handover_trials import load_handover_table
 from medkit.errors import InputError
-from medkit.geometry import expected
+from medkit.geometry import expected, positive
 
 Irregular = Literal["drop", "keep", "best", "worst"]
 
@@ -58,10 +59,7 @@ def load_trials(
     >>> len(trials), trials.attrs["irregular"], trials.attrs["treatment"]
     (855, 9, 'drop')
     """
-    if irregular not in ("drop", "keep", "best", "worst"):
-        raise InputError(
-            f"Expected irregular to be drop, keep, best or worst, came {irregular!r}; pick one."
-        )
+    one_of(irregular, ("drop", "keep", "best", "worst"), "irregular")
     table = load_handover_table(path, ratings=ratings)
     repetitions = int(table.loc[table["sum_ok"], list(RATINGS)].iloc[0].sum())
     treated = _treated(table, irregular, repetitions)
@@ -134,6 +132,8 @@ def with_light_object(
     >>> int(with_light_object(load_trials())["weight_g"].min())
     20
     """
+    for name, value in (("weight_g", weight_g), ("printed_g", printed_g)):
+        positive(value, name, " g")
     changed = trial_table(trials).copy()
     changed["weight_g"] = changed["weight_g"].replace({printed_g: weight_g})
     return changed
@@ -211,7 +211,8 @@ def rating_shares(trials: pd.DataFrame, by: list[str]) -> pd.DataFrame:
     >>> rating_shares(load_trials(), ["pose"])["good"].round(3).tolist()
     [0.368, 0.287]
     """
-    counts = trial_table(trials).groupby(by)[list(RATINGS)].sum()
+    table_with(trial_table(trials), RATINGS, "a table of trials", "pass one from load_trials")
+    counts = trials.groupby(kept_apart(trials, by))[list(RATINGS)].sum()
     total = counts.sum(axis=1)
     return counts.div(total, axis=0).assign(ratings=total)
 
@@ -224,7 +225,19 @@ def mean_scores(trials: pd.DataFrame, by: list[str]) -> pd.Series:
     >>> mean_scores(load_trials(), ["force_N"]).round(2).iloc[[0, -1]].tolist()
     [0.96, 0.02]
     """
-    return trial_table(trials).assign(score=score(trials)).groupby(by)["score"].mean()
+    scored = trial_table(trials).assign(score=score(trials))
+    return scored.groupby(kept_apart(trials, by))["score"].mean()
+
+
+def kept_apart(trials: pd.DataFrame, by: list[str]) -> list[str]:
+    """Return the columns `by` as they are; `InputError` where one is no column of the trials."""
+    remedy = 'pass a list such as ["pose", "mode"]'
+    names = [by] if isinstance(by, str) else expected(by, (list, tuple), "columns as by", remedy)
+    if not names:
+        raise InputError(f"Expected columns as by, but the list is empty; {remedy}.")
+    for name in names:
+        one_of(name, map(str, trials.columns), "columns as by", remedy)
+    return by
 
 
 def cells_of(

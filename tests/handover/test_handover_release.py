@@ -121,7 +121,7 @@ def test_bad_levels_allowances_and_single_forces_are_refused():
     trials = load_trials()
     with pytest.raises(InputError, match="between 0 and 1"):
         iso_score(trials, 1.2)
-    with pytest.raises(InputError, match="0 or more"):
+    with pytest.raises(InputError, match="zero or more"):
         recommend_force(trials, bump_N=-1)
     with pytest.raises(InputError, match="at least two release forces"):
         iso_score(trials[trials["force_N"] == 5])

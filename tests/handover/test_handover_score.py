@@ -78,7 +78,7 @@ def test_treatments_bracket_the_lost_ratings():
 
 
 def test_an_unknown_treatment_is_refused():
-    with pytest.raises(InputError, match="drop, keep, best or worst"):
+    with pytest.raises(InputError, match="drop, keep, best, worst"):
         load_trials(irregular="guess")
 
 
