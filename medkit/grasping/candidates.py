@@ -243,11 +243,11 @@ def _buried(
     """Rows at the end of a sheet of centres that is no rim of the object: no way from outside.
 
     The limit on the object angle cuts sheets off in the middle of thick bodies. Seen from there
-    the object goes on for more than the neighbourhood, or begins again.
+    the object goes on for more than the neighbourhood, or begins again within it.
     """
     rows = np.flatnonzero(rim)
-    depth, free = way_out(axis, part.centers[rows], -across[rows])
-    return rows[(depth > part.radii[rows] + radius) | ~free]
+    depth, room = way_out(axis, part.centers[rows], -across[rows])
+    return rows[(depth > part.radii[rows] + radius) | (room < radius)]
 
 
 def _across_rims(

@@ -144,8 +144,8 @@ def conditions_met(
     detail = local_thickness(axis, found.grasp_point) > DETAIL * found.radius
     met = ~detail
     rows = np.flatnonzero(met)
-    depth, free = way_out(axis, found.grasp_point[rows], -found.approach[rows])
-    met[rows] = free & (depth <= found.radius[rows] + room)
+    depth, behind = way_out(axis, found.grasp_point[rows], -found.approach[rows])
+    met[rows] = np.isinf(behind) & (depth <= found.radius[rows] + room)
     rows = np.flatnonzero(met)
     back = depth_of_object(
         surface, found.grasp_point[rows], found.approach[rows], width=PALM_SHARE * room

@@ -10,10 +10,8 @@ from medkit.grasping import reach_kernels as kernels
 from medkit.medial.axis import MedialAxis
 
 
-def way_out(
-    axis: MedialAxis, points: Floats, directions: Floats
-) -> tuple[Floats, NDArray[np.bool_]]:
-    """How deep points lie in the object, and whether a straight way leads outside from there.
+def way_out(axis: MedialAxis, points: Floats, directions: Floats) -> tuple[Floats, Floats]:
+    """How deep points lie in the object, and how long the straight way is free after that.
 
     Parameters
     ----------
@@ -26,21 +24,21 @@ def way_out(
     -------
     depth : ndarray, shape (n,)
         Where the object first ends, gaps of less than the spacing of the samples left out [m].
-    free : ndarray of bool, shape (n,)
-        Whether no more of the object follows after that.
+    room : ndarray, shape (n,)
+        From there to where the object begins again, infinite where it does not [m].
 
     Examples
     --------
     >>> import trimesh
     >>> from medkit.grasping import medial_axis
     >>> axis = medial_axis(trimesh.creation.box((0.1, 0.2, 0.02)))
-    >>> depth, free = way_out(axis, np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0]]))
-    >>> round(float(depth[0]), 2), bool(free[0])
-    (0.05, True)
+    >>> depth, room = way_out(axis, np.zeros((1, 3)), np.array([[1.0, 0.0, 0.0]]))
+    >>> round(float(depth[0]), 2), float(room[0])
+    (0.05, inf)
     """
-    depth, free = np.zeros(len(points)), np.zeros(len(points), dtype=np.bool_)
-    kernels.ways_out(points, directions, axis.centers, axis.radii, axis.spacing, depth, free)
-    return depth, free
+    depth, room = np.zeros(len(points)), np.zeros(len(points))
+    kernels.ways_out(points, directions, axis.centers, axis.radii, axis.spacing, depth, room)
+    return depth, room
 
 
 def local_thickness(axis: MedialAxis, points: Floats) -> Floats:

@@ -23,8 +23,8 @@ def _chord(point, direction, center, radius):
 
 
 @njit(cache=True)
-def ways_out(points, directions, centers, radii, gap, depth, free):
-    """Depth of the object from each point on, and whether nothing follows (see `way_out`)."""
+def ways_out(points, directions, centers, radii, gap, depth, room):
+    """Depth of the object from each point on, and the free way after it (see `way_out`)."""
     enters, leaves = np.empty(len(radii)), np.empty(len(radii))
     for row in range(len(points)):
         count = 0
@@ -39,10 +39,10 @@ def ways_out(points, directions, centers, radii, gap, depth, free):
             for k in range(count):
                 if enters[k] <= end + gap and leaves[k] > end:
                     end, grown = leaves[k], True
-        depth[row], free[row] = end, True
+        depth[row], room[row] = end, np.inf
         for k in range(count):
             if enters[k] > end + gap:
-                free[row] = False
+                room[row] = min(room[row], enters[k] - end)
 
 
 @njit(cache=True)

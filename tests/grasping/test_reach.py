@@ -41,14 +41,15 @@ def chord_of_balls(axis, point, way):
 
 
 def test_a_way_out_of_a_box_is_as_long_as_the_box(plate):
-    depth, free = way_out(plate, np.zeros((6, 3)), WAYS)
-    assert free.all()
+    depth, room = way_out(plate, np.zeros((6, 3)), WAYS)
+    assert np.isinf(room).all()
     np.testing.assert_allclose(depth, [0.05, 0.1, 0.01] * 2, atol=plate.spacing)
 
 
-def test_a_way_into_another_part_is_not_free(pair):
-    depth, free = way_out(pair, np.zeros((2, 3)), np.array([[1.0, 0, 0], [-1.0, 0, 0]]))
-    assert free.tolist() == [False, True]
+def test_a_way_into_another_part_is_free_for_the_gap_alone(pair):
+    depth, room = way_out(pair, np.zeros((2, 3)), np.array([[1.0, 0, 0], [-1.0, 0, 0]]))
+    assert room[0] == pytest.approx(0.04, abs=pair.spacing)
+    assert room[1] == np.inf
     np.testing.assert_allclose(depth, 0.05, atol=pair.spacing)
 
 
@@ -57,16 +58,18 @@ def test_ways_are_those_of_the_intervals_merged_one_by_one(pair):
     points = pair.centers[rng.integers(0, len(pair), 40)]
     ways = rng.normal(size=(40, 3))
     ways /= np.linalg.norm(ways, axis=1)[:, None]
-    depth, free = way_out(pair, points, ways)
+    depth, room = way_out(pair, points, ways)
     for k in range(40):
-        end, clear = 0.0, True
+        end, next_part = 0.0, np.inf
         for enter, leave in chord_of_balls(pair, points[k], ways[k]):
-            clear = clear and enter <= end + pair.spacing
-            end = max(end, leave) if clear else end
+            if enter > end + pair.spacing:
+                next_part = enter - end
+                break
+            end = max(end, leave)
         assert depth[k] == pytest.approx(end, abs=1e-12)
-        assert free[k] == clear
-    assert free.any()
-    assert not free.all()
+        assert room[k] == pytest.approx(next_part, abs=1e-12)
+    assert np.isinf(room).any()
+    assert not np.isinf(room).all()
 
 
 def test_thickness_is_that_of_the_largest_ball_around_a_point(plate):
@@ -92,10 +95,11 @@ def test_reach_turns_and_grows_with_the_object(pair):
     points = np.repeat(pair.centers[::100], 6, axis=0)
     ways = np.tile(WAYS, (len(points) // 6, 1))
     moved, led = 2.0 * apply(pose, points), ways @ pose[:3, :3].T
-    depth, free = way_out(pair, points, ways)
-    again, clear = way_out(turned, moved, led)
+    depth, room = way_out(pair, points, ways)
+    again, gap = way_out(turned, moved, led)
     np.testing.assert_allclose(again, 2.0 * depth, atol=1e-7)
-    assert (free == clear).mean() > 0.99  # a way along a face may go either way by rounding
+    # a way along a face may go either way by rounding
+    assert np.isclose(gap, 2.0 * room, atol=1e-7).mean() > 0.99
     thick = local_thickness(pair, 0.999 * points)
     np.testing.assert_allclose(local_thickness(turned, 2.0 * apply(pose, 0.999 * points)),
                                2.0 * thick, atol=1e-9)  # fmt: skip
