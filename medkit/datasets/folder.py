@@ -9,7 +9,7 @@ from pathlib import Path
 
 import trimesh
 
-from medkit.datasets.arguments import file_path
+from medkit.arguments import file_path
 from medkit.errors import InputError
 from medkit.geometry import positive
 from medkit.meshes import load_mesh

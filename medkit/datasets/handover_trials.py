@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from medkit.datasets.arguments import file_path, short
+from medkit.arguments import file_path, short
 from medkit.datasets.handover_schema import KEY, RATINGS, table_problems, typed_keys
 from medkit.errors import InputError
 from medkit.geometry import expected

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from medkit.datasets.arguments import file_path
+from medkit.arguments import file_path
 from medkit.errors import InputError
 
 #: Fingers in the order in which every array of fingertips holds them.

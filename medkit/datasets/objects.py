@@ -20,11 +20,11 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from medkit.arguments import one_of
 from medkit.datasets import implicit
 from medkit.datasets import object_recipes_everyday as everyday
 from medkit.datasets import object_recipes_hand as hand
 from medkit.datasets import object_recipes_large as large
-from medkit.datasets.arguments import one_of
 from medkit.datasets.implicit import Part, mesh_of
 from medkit.errors import InputError
 from medkit.files import cache_folder, whole_file

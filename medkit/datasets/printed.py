@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import resources
 from typing import TYPE_CHECKING
 
-from medkit.datasets.arguments import one_of
+from medkit.arguments import one_of
 
 if TYPE_CHECKING:
     import pandas as pd

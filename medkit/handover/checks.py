@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
-from medkit.datasets.arguments import generator, whole
+from medkit.arguments import generator, whole
 from medkit.errors import InputError
 from medkit.geometry import expected
 from medkit.handover.cells import RatingCells, design_columns, rating_cells

@@ -15,7 +15,7 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from medkit.datasets.arguments import whole
+from medkit.arguments import whole
 from medkit.errors import InputError
 from medkit.geometry import expected
 from medkit.handover import estimands

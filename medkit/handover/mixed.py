@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import minimize
 
-from medkit.datasets.arguments import one_of
+from medkit.arguments import one_of
 from medkit.errors import InputError
 from medkit.geometry import expected
 from medkit.handover.cells import design_columns, rating_cells

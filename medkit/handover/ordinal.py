@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from medkit.datasets.arguments import number_array
+from medkit.arguments import number_array
 from medkit.errors import InputError
 from medkit.geometry import nonnegative, positive
 

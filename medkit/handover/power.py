@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from scipy import stats
 
-from medkit.datasets.arguments import generator, number_array, short, table_with, whole
+from medkit.arguments import generator, number_array, short, table_with, whole
 from medkit.errors import InputError
 from medkit.geometry import expected, positive
 from medkit.handover.cells import RatingCells, design_columns, rating_cells

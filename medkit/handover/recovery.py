@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from medkit.datasets.arguments import generator, number_array, one_of, whole
+from medkit.arguments import generator, number_array, one_of, whole
 from medkit.errors import InputError
 from medkit.geometry import expected
 from medkit.handover.mixed import fit_mixed_logit

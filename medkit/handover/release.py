@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 
-from medkit.datasets.arguments import generator, number_array, one_of, short, whole
+from medkit.arguments import generator, number_array, one_of, short, whole
 from medkit.errors import InputError
 from medkit.handover.cells import RatingCells, design_columns, rating_cells, stratum_codes
 from medkit.handover.estimands import subject_tables, subject_variation

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 import pandas as pd
 
-from medkit.datasets.arguments import one_of, table_with
+from medkit.arguments import one_of, table_with
 from medkit.datasets.handover_schema import KEY, RATINGS
 from medkit.datasets.handover_trials import load_handover_table
 from medkit.errors import InputError

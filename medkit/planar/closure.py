@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from medkit import quality
+from medkit.arguments import one_of, plane_point
 from medkit.contacts import Contacts
 from medkit.geometry import Floats, points_array
-from medkit.planar.arguments import choice
-from medkit.planar.arguments import place as checked_place
 from medkit.planar.outlines import Outline, checked_outline
 
 
@@ -124,7 +123,7 @@ def epsilon(
     0.57735
     """
     place, normal = points_array(points, 2), points_array(normals, 2, "normals")
-    choice(norm, ("l1", "linf"), "norm")
+    one_of(norm, ("l1", "linf"), "norm")
     origin, scale = _torques(place, outline, torque_origin, torque_scale)
     return quality.epsilon(
         place, normal, friction=friction, torque_origin=origin, torque_scale=scale, norm=norm
@@ -211,7 +210,7 @@ def _torques(
 ) -> tuple[Floats, float]:
     outline = checked_outline(outline) if outline is not None else None
     if origin is not None:
-        about = checked_place(origin, "torque_origin")
+        about = plane_point(origin, "torque_origin")
     else:
         about = outline.center_mass if outline is not None else points.mean(axis=0)
     if scale is not None:

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from medkit.arguments import whole
 from medkit.errors import InputError
 from medkit.geometry import Floats, expected, points_array
-from medkit.planar.arguments import whole
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from medkit.arguments import numbers, whole
 from medkit.errors import InputError
 from medkit.geometry import expected, nonnegative, points_array, positive
-from medkit.planar.arguments import numbers, whole
 from medkit.planar.outlines import Outline, SmoothOutline, outline_from_loops, smooth_outline
 
 

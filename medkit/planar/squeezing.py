@@ -8,9 +8,9 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
+from medkit.arguments import numbers, one_of, plane_point, whole
 from medkit.errors import InputError
 from medkit.geometry import Floats, nonnegative
-from medkit.planar.arguments import choice, numbers, place, whole
 from medkit.planar.fixture import UNITS, Bench, build_bench
 from medkit.planar.outlines import Outline, checked_outline
 from medkit.planar.settings import DEFAULTS, SqueezeSettings, checked_settings
@@ -119,8 +119,8 @@ def squeeze(
     """
     outline, settings = checked_outline(outline), checked_settings(settings)
     mu, frames = nonnegative(friction, "friction"), whole(frames, "frames", 0)
-    choice(fixture, FIXTURES, "fixture")
-    contacts = np.vstack([place(p1, "p1"), place(p2, "p2")])
+    one_of(fixture, FIXTURES, "fixture")
+    contacts = np.vstack([plane_point(p1, "p1"), plane_point(p2, "p2")])
     shift = float(numbers(offset, "the offset")[0])
     _check_contacts(outline, contacts)
     bench = build_bench(

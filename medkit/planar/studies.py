@@ -13,8 +13,8 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 from tqdm import tqdm
 
+from medkit.arguments import numbers, whole
 from medkit.geometry import Floats, expected, nonnegative, positive
-from medkit.planar.arguments import numbers, whole
 from medkit.planar.bounds import is_antipodal, min_friction
 from medkit.planar.closure import is_force_closure
 from medkit.planar.disks import MedialAxis

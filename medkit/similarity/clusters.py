@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.cluster.hierarchy import fcluster, linkage
 
-from medkit.datasets.arguments import generator, whole
+from medkit.arguments import generator, whole
 from medkit.errors import InputError
 from medkit.geometry import Floats
 from medkit.similarity.measures import distance_table, fingertip_array

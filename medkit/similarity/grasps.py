@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
-from medkit.datasets.arguments import table_with
+from medkit.arguments import table_with
 from medkit.datasets.human_grasps import COLUMNS, FINGERS, SENSORS
 from medkit.errors import InputError
 from medkit.geometry import Floats, nonnegative, positive

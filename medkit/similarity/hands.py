@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from medkit.datasets.arguments import number_array, short
+from medkit.arguments import number_array, short
 from medkit.errors import InputError
 from medkit.geometry import Floats, expected
 from medkit.similarity.measures import fingertip_array

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from medkit.datasets.arguments import number_array
+from medkit.arguments import number_array
 from medkit.errors import InputError
 from medkit.geometry import Floats, positive
 from medkit.similarity.symmetry import SymmetryGroup, rotated_to, trivial_group

@@ -10,7 +10,7 @@ import pandas as pd
 from numpy.typing import ArrayLike
 from scipy.stats import kendalltau
 
-from medkit.datasets.arguments import generator, one_of, table_with, whole
+from medkit.arguments import generator, one_of, table_with, whole
 from medkit.errors import InputError
 from medkit.geometry import Floats, expected
 from medkit.similarity.grasps import HumanGrasps

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from medkit.datasets.arguments import generator, number_array, whole
+from medkit.arguments import generator, number_array, whole
 from medkit.errors import InputError
 from medkit.geometry import (
     Floats,

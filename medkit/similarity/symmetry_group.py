@@ -15,7 +15,7 @@ import numpy as np
 import trimesh
 from scipy.spatial import QhullError, cKDTree
 
-from medkit.datasets.arguments import generator
+from medkit.arguments import generator
 from medkit.errors import InputError
 from medkit.geometry import Floats, expected, perpendicular, positive, rotation_about, unit
 from medkit.similarity.symmetry import (

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import pandas as pd
 
-from medkit.datasets.arguments import table_with
+from medkit.arguments import table_with
 from medkit.datasets.human_grasps import COLUMNS, OBJECT_COLUMNS, SENSORS
 from medkit.geometry import expected
 

@@ -1,4 +1,4 @@
-"""Checks of arguments that files, similarity and handover share, each with one sentence."""
+"""Checks of arguments that several rooms share, each with one sentence."""
 
 from __future__ import annotations
 
@@ -6,14 +6,16 @@ import math
 import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 from numpy.typing import ArrayLike
 
 from medkit.errors import InputError
 from medkit.geometry import Floats, expected
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 def whole(value: Any, name: str, least: int = 1) -> int:
@@ -77,6 +79,35 @@ def file_path(path: Any, what: str) -> Path:
     return Path(path)
 
 
+def numbers(values: ArrayLike, name: str) -> Floats:
+    """Return one number or several as floats of shape (n,), or raise `InputError`.
+
+    Examples
+    --------
+    >>> numbers(0.5, "friction")
+    array([0.5])
+    """
+    remedy = "pass a list"
+    array = np.atleast_1d(number_array(values, name, remedy))
+    if array.ndim != 1 or not len(array) or not np.isfinite(array).all():
+        raise InputError(f"Expected {name} as finite numbers, but got {short(values)}; {remedy}.")
+    return array
+
+
+def plane_point(value: ArrayLike, name: str) -> Floats:
+    """Return a point of the plane, shape (2,), or raise `InputError`.
+
+    Examples
+    --------
+    >>> plane_point([0, 1], "p1")
+    array([0., 1.])
+    """
+    point = numbers(value, name)
+    if len(point) != 2:
+        raise InputError(f"Expected {name} as (x, y), but got {len(point)} numbers; pass two.")
+    return point
+
+
 def number_array(values: ArrayLike, what: str, remedy: str) -> Floats:
     """Return numbers as an array of any shape; words and ragged rows raise `InputError`.
 
@@ -98,9 +129,12 @@ def table_with(table: Any, columns: Sequence[str], what: str, remedy: str) -> pd
 
     Examples
     --------
+    >>> import pandas as pd
     >>> len(table_with(pd.DataFrame({"t": [0.0]}), ["t"], "a table", "pass one"))
     1
     """
+    import pandas as pd  # heavy, and needed here alone
+
     present = list(expected(table, pd.DataFrame, what, remedy).columns)
     absent = [name for name in columns if name not in present]
     if absent:
