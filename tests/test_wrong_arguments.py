@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 import trimesh
 
-from medkit import datasets, grasping, handover, planar, quality, similarity
+from medkit import datasets, grasping, handover, medial, planar, quality, similarity
 from medkit.errors import InputError
 from medkit.geometry import expected, points_array
 from medkit.grasping.batch import plan_many
@@ -208,6 +208,15 @@ RATED = {
     "weight_error_kg": 0.1, "bump_N": 0.5, "weights": [0.1], "scope": "these", "by": ["pose"],
     "irregular": "drop", "path": None, "ratings": None, "weight_g": 20, "printed_g": 24,
 }  # fmt: skip
+AXIS = medial.medial_axis(BOX)
+#: The same for the medial axis in space.
+SPATIAL = {
+    "axis": AXIS, "min_angle": 2.0, "ratio": 0.5, "min_lambda": 0.01, "scale": 1.1, "mesh": BOX,
+    "grid": medial.MedialSphereGrid.from_axis(AXIS), "radius": 0.03, "rho_axis": 0.01,
+    "rho_plane": 0.4, "min_neighbors": 5, "point_spread": 0.02, "spacing": 0.01,
+    "side": "interior", "touch_tolerance": 0.001, "sample": medial.sample_surface(BOX),
+    "crease_angle": 0.5,
+}  # fmt: skip
 #: One right value for each name of an argument, and for a function where the name means another.
 RIGHT = PINCH | {
     "friction": 0.5, "torque_origin": [0.0, 0.0], "torque_scale": 0.04, "edges": 8, "norm": "l1",
@@ -228,11 +237,11 @@ RIGHT = PINCH | {
 }  # fmt: skip
 
 
-ROOMS = (quality, planar, similarity, handover, datasets)
+ROOMS = (quality, planar, medial, similarity, handover, datasets)
 #: Which of them a room takes.
 RIGHT_IN = {
     "quality": RIGHT, "planar": RIGHT, "similarity": COMPARED, "datasets": COMPARED,
-    "handover": RATED,
+    "handover": RATED, "medial": SPATIAL,
 }  # fmt: skip
 #: What students call though the room's front does not name it.
 BEHIND = {

@@ -9,12 +9,12 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
-from medkit.errors import InputError
+from medkit.arguments import one_of
 from medkit.geometry import Floats, expected, nonnegative
 from medkit.medial import axis_kernels, tree_kernels
 from medkit.medial.bound_kernels import bound_samples
 from medkit.medial.size import in_own_frame
-from medkit.medial.surface import SurfaceSample, sample_surface
+from medkit.medial.surface import MESH_REMEDY, SurfaceSample, sample_surface
 from medkit.medial.touch_kernels import widest_touch
 from medkit.medial.tree_kernels import Tree
 from medkit.meshes import repair_mesh
@@ -113,8 +113,7 @@ def medial_axis(
     >>> bool(np.all(np.linalg.norm(ball.centers, axis=1) < 0.001))
     True
     """
-    remedy = "read one with medkit.meshes.load_mesh(path)"
-    expected(mesh, trimesh.Trimesh, "a triangle mesh", remedy)
+    expected(mesh, trimesh.Trimesh, "a triangle mesh", MESH_REMEDY)
     sample = sample_surface(repair_mesh(mesh).mesh, spacing=spacing)
     return medial_axis_from_surface(sample, side=side, touch_tolerance=touch_tolerance)
 
@@ -131,8 +130,10 @@ def medial_axis_from_surface(
     MedialAxis
         Spheres in an order in which neighbours are near each other in space.
     """
-    if side not in ("interior", "exterior"):
-        raise InputError(f"Expected side 'interior' or 'exterior', but got {side!r}; use one.")
+    expected(
+        sample, SurfaceSample, "a sampled surface", "pass medkit.grasping.sample_surface(mesh)"
+    )
+    one_of(side, ("interior", "exterior"), "side")
     tree = sample_tree(sample, 1.0 if side == "interior" else -1.0)[1]
     slack = max(SLACK * sample.spacing, sample.facet_depth)
     shrink: Any = axis_kernels.shrink_balls

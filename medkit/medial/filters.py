@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from medkit.errors import InputError
-from medkit.geometry import Floats, nonnegative
+from medkit.geometry import Floats, expected, nonnegative
 from medkit.medial.axis import MedialAxis
 
 #: P13 4.2.3: spheres below this describe corners and edges rather than thickness [rad].
@@ -24,13 +24,14 @@ def filter_object_angle(axis: MedialAxis, min_angle: float = MIN_OBJECT_ANGLE) -
     >>> 0 < len(filter_object_angle(axis)) < len(axis)
     True
     """
+    _checked(axis)
     # a hair below: 120 deg computed in two ways must not differ
     return axis.select(axis.object_angles >= nonnegative(min_angle, "min_angle", " rad") - 1e-9)
 
 
 def filter_radius_ratio(axis: MedialAxis, ratio: float) -> MedialAxis:
     """Keep the spheres whose radius is at least `ratio` times the largest one (P13 4.2.4)."""
-    largest = float(axis.radii.max(initial=0.0))
+    largest = float(_checked(axis).radii.max(initial=0.0))
     return axis.select(axis.radii >= nonnegative(ratio, "ratio") * largest)
 
 
@@ -48,6 +49,7 @@ def filter_lambda(axis: MedialAxis, min_lambda: float) -> MedialAxis:
 
     Unlike the object angle, lambda measures lengths: small details go, whatever their shape.
     """
+    _checked(axis)
     return axis.select(touch_circumradii(axis) >= nonnegative(min_lambda, "min_lambda", " m"))
 
 
@@ -76,10 +78,15 @@ def filter_scale_axis(axis: MedialAxis, scale: float) -> MedialAxis:
     InputError
         If the scale is below 1.
     """
+    _checked(axis)
     if not nonnegative(scale, "scale") >= 1.0:
         raise InputError(f"Expected a scale of at least 1, but got {scale:g}; spheres only grow.")
     keep = uncovered(axis.centers, axis.radii * scale)
     return axis.select(keep)
+
+
+def _checked(axis: MedialAxis) -> MedialAxis:
+    return expected(axis, MedialAxis, "a medial axis", "pass medkit.grasping.medial_axis(mesh)")
 
 
 def uncovered(centers: Floats, radii: Floats) -> NDArray[np.int64]:

@@ -7,9 +7,9 @@ import trimesh
 from numpy.typing import NDArray
 from scipy.spatial import Delaunay
 
-from medkit.geometry import Floats
+from medkit.geometry import Floats, expected
 from medkit.medial.axis import MedialAxis, sample_tree, with_object_angles
-from medkit.medial.surface import SurfaceSample, sample_surface
+from medkit.medial.surface import MESH_REMEDY, SurfaceSample, sample_surface
 from medkit.meshes import repair_mesh
 
 
@@ -44,6 +44,7 @@ def medial_axis_by_poles(mesh: trimesh.Trimesh, *, spacing: float | None = None)
     >>> bool(0.045 < np.median(axis.radii) < 0.0505)
     True
     """
+    expected(mesh, trimesh.Trimesh, "a triangle mesh", MESH_REMEDY)
     return poles_from_surface(sample_surface(repair_mesh(mesh).mesh, spacing=spacing))
 
 

@@ -10,7 +10,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from medkit.errors import InputError
-from medkit.geometry import Floats, positive
+from medkit.geometry import Floats, expected, nonnegative, positive
 from medkit.medial import surface_kernels as kernels
 from medkit.medial.size import smallest_diagonal
 
@@ -20,6 +20,7 @@ DEFAULT_SPACING = 0.015
 CREASE_ANGLE = np.radians(35.0)
 _CANDIDATES = 6  # per square of the spacing; more gives more even samples at more cost
 _THINNING = 0.8  # least distance of two samples over the spacing: about one sample per square
+MESH_REMEDY = "read one with medkit.meshes.load_mesh(path)"
 _MOST_SAMPLES = 20_000_000
 # Limits that no ordinary shape sits on exactly: at a tie, rounding would choose, and with it the
 # pose. Faces of a hexagonal prism turn by 60 deg, and equal faces end at round shares of the area.
@@ -94,6 +95,8 @@ def sample_surface(
     >>> 0.8 < len(sample) * 0.05**2 / 6.0 < 1.2
     True
     """
+    expected(mesh, trimesh.Trimesh, "a triangle mesh", MESH_REMEDY)
+    nonnegative(crease_angle, "crease_angle", " rad")
     middle, diagonal = _place_and_size(mesh)
     distance = DEFAULT_SPACING * diagonal if spacing is None else positive(spacing, "spacing", " m")
     # at unit size no tolerance inside trimesh depends on the size or place of the object

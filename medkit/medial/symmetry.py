@@ -8,6 +8,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from medkit.arguments import whole
 from medkit.errors import InputError
 from medkit.geometry import Floats, expected, nonnegative, positive
 from medkit.medial import grid_kernels as kernels
@@ -111,7 +112,10 @@ def local_symmetry(
     remedy = "pass MedialSphereGrid.from_axis(axis)"
     expected(grid, MedialSphereGrid, "a grid of medial spheres", remedy)
     reach = positive(radius, "radius", " m")
-    if not 0.0 <= rho_axis < rho_plane:
+    nonnegative(rho_axis, "rho_axis")
+    nonnegative(rho_plane, "rho_plane")
+    least = max(whole(min_neighbors, "min_neighbors"), 2)
+    if not rho_axis < rho_plane:
         raise InputError(
             f"Expected 0 <= rho_axis < rho_plane, but got {rho_axis:g} and {rho_plane:g};"
             " pass the smaller threshold as rho_axis."
@@ -122,7 +126,7 @@ def local_symmetry(
     back = np.empty_like(grid.order)
     back[grid.order] = np.arange(len(grid.order))
     counts, moments, values, vectors = counts[back], moments[back], values[back], vectors[back]
-    few = counts < max(min_neighbors, 2)
+    few = counts < least
     point = ~few & (np.sqrt(values[:, 0]) < point_spread * reach)
     clear = ~few & ~point
     rho = np.zeros(len(counts))
