@@ -237,10 +237,10 @@ def run_memory() -> None:
 
 
 def run() -> None:
-    """All tables: about five minutes of one core.
+    """All tables: about ten minutes of one core.
 
     With a folder in the variable MEDKIT_MESHES, its meshes too; with MEDKIT_FULL=1 both rivals at
-    all sizes, which takes half an hour.
+    all sizes, which takes half an hour more.
     """
     full = os.environ.get("MEDKIT_FULL") == "1"
     local_symmetry(MedialSphereGrid.from_axis(filter_object_angle(medial_axis(hammer()))), 0.03)
