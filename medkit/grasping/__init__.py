@@ -4,7 +4,8 @@ The medial axis that candidates come from lives in `medkit.medial`; its names ar
 since a grasp plan starts with them.
 """
 
-from medkit.grasping.candidates import CandidateGrasps, SphereFate, candidates_from_axis
+from medkit.grasping.candidate_set import CandidateGrasps, SphereFate
+from medkit.grasping.candidates import candidates_from_axis
 from medkit.grasping.closing.object_field import ObjectField, object_field
 from medkit.grasping.grasp_file import grasp_document, read_grasps, write_grasps
 from medkit.grasping.grasp_set import Grasp, GraspSet

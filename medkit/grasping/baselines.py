@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from medkit.errors import InputError
 from medkit.geometry import Floats, perpendicular, positive
-from medkit.grasping.candidates import CandidateGrasps
+from medkit.grasping.candidate_set import CandidateGrasps
 from medkit.medial.surface import sample_surface
 from medkit.robots.hand import Hand
 

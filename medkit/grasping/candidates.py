@@ -2,97 +2,31 @@
 
 from __future__ import annotations
 
-from collections import Counter
-from dataclasses import dataclass, replace
-from enum import IntEnum
-
 import numpy as np
 from numpy.typing import NDArray
 
 from medkit.errors import InputError
 from medkit.geometry import Floats, nonnegative, positive, unit
+from medkit.grasping.candidate_set import CandidateGrasps, Ints, SphereFate
 from medkit.grasping.reach import way_out
-from medkit.grasping.special_solids import ball_directions, opposing_chords
+from medkit.grasping.special_solids import (
+    COMPACT,
+    Rows,
+    borders_of_whole_sheets,
+    outer_touch,
+    solid_candidates,
+)
 from medkit.medial.axis import MedialAxis
 from medkit.medial.filters import MIN_OBJECT_ANGLE
 from medkit.medial.grid import MedialSphereGrid
 from medkit.medial.symmetry import LocalSymmetry, SymmetryKind, local_symmetry
 
-Ints = NDArray[np.int64]
-
 #: P13 5.1.3: approach directions around a symmetry axis.
 AXIS_STEPS = 4
 #: A sphere without enough neighbours counts as dominant from this share of the largest radius.
 DOMINANT_RATIO = 0.9
-#: Centres spread less than this share of the radius belong to one dominant sphere.
-COMPACT = 0.1
 #: Spheres from this share of the largest radius are the inscribed one, up to sampling.
 INSCRIBED_RATIO = 0.97
-
-
-class SphereFate(IntEnum):
-    """What became of a medial sphere on the way to candidate grasps."""
-
-    AXIS = 0  # on a local symmetry axis: candidates around it
-    RIM = 1  # on the rim of a symmetry sheet: candidates across it
-    INSIDE_SHEET = 2  # inside a sheet: out of reach, no candidates (P13 4.4.3)
-    TOO_FEW_NEIGHBORS = 3
-    OBJECT_ANGLE_TOO_SMALL = 4  # edges and corners rather than thickness (P13 4.2.3)
-    BELOW_RADIUS_RATIO = 5  # surface detail (P13 4.2.4)
-    TOO_LARGE_FOR_HAND = 6
-    TOO_SMALL_FOR_HAND = 7
-    BALL = 8  # a single ball: directions from all around (P13 4.4.4)
-    DOMINANT_SPHERE = 9  # touches opposing faces: directions across its chords (P13 4.4.4)
-    REPRESENTED = 10  # coincides with a ball or dominant sphere that stands for it
-
-
-@dataclass(frozen=True)
-class CandidateGrasps:
-    """Candidates as a struct of arrays, and the fate of every medial sphere.
-
-    Attributes
-    ----------
-    grasp_point : ndarray, shape (n, 3)
-        Point that the hand reaches for, in the object frame [m].
-    approach : ndarray, shape (n, 3)
-        Unit direction in which the hand moves, towards the object.
-    closing_axis : ndarray, shape (n, 3)
-        Unit axis about which the fingers close, at right angles to the approach.
-    sphere : ndarray of int, shape (n,)
-        Row of the medial axis that the candidate is from, -1 for none.
-    kind : ndarray of int8, shape (n,)
-        `SphereFate` of that sphere.
-    radius : ndarray, shape (n,)
-        Its radius [m].
-    fate : ndarray of int8, shape (s,)
-        `SphereFate` of every sphere of the medial axis.
-    """
-
-    grasp_point: Floats
-    approach: Floats
-    closing_axis: Floats
-    sphere: Ints
-    kind: NDArray[np.int8]
-    radius: Floats
-    fate: NDArray[np.int8]
-
-    def __len__(self) -> int:
-        return len(self.grasp_point)
-
-    def select(self, rows: NDArray) -> CandidateGrasps:
-        """The candidates in `rows` (indices or mask); the fates stay."""
-        return replace(
-            self,
-            **{
-                name: getattr(self, name)[rows]
-                for name in ("grasp_point", "approach", "closing_axis", "sphere", "kind", "radius")
-            },
-        )
-
-    def fate_counts(self) -> dict[str, int]:
-        """How many spheres had each fate, by name in small letters; they add up to all spheres."""
-        counted = Counter(self.fate.tolist())
-        return {SphereFate(value).name.lower(): n for value, n in sorted(counted.items())}
 
 
 def candidates_from_axis(
@@ -166,11 +100,12 @@ def candidates_from_axis(
         return _joined([], axis, fate)
     part = axis.select(kept)
     symmetry = local_symmetry(MedialSphereGrid.from_axis(part), search_radius)
+    symmetry = borders_of_whole_sheets(symmetry, part.centers)
     fate[kept] = _fates(part, symmetry, largest, hand_radii)
     across = _inwards(part, symmetry)
     buried = _buried(axis, part, across, fate[kept] == SphereFate.RIM, search_radius)
     fate[kept[buried]] = SphereFate.INSIDE_SHEET
-    solids = _special_solids(axis, part, fate, kept, search_radius)
+    solids = solid_candidates(axis, part, fate, kept, search_radius)
     parts = [
         _around_axes(
             part, symmetry, kept, np.flatnonzero(fate[kept] == SphereFate.AXIS), axis_steps
@@ -179,9 +114,6 @@ def candidates_from_axis(
         *solids,
     ]
     return _joined(parts, axis, fate)
-
-
-Rows = tuple[Ints, Floats, Floats]  # sphere, approach, closing axis
 
 
 def _fates(
@@ -218,7 +150,7 @@ def _around_axes(
     edge (P13 4.4.4), and the candidates turn with the object.
     """
     axis = _outwards(symmetry.e1[rows], part, rows)
-    first = _outer_touch(part)[rows]
+    first = outer_touch(part)[rows]
     first -= np.einsum("ij,ij->i", first, axis)[:, None] * axis
     short = np.linalg.norm(first, axis=1) < 1e-3 * part.radii[rows]
     first[short] = _outwards(symmetry.e2[rows], part, rows)[short]
@@ -266,58 +198,6 @@ def _outwards(directions: Floats, part: MedialAxis, rows: Ints) -> Floats:
     """
     away = part.centers[rows] - part.centers.mean(axis=0)
     return directions * np.where((directions * away).sum(axis=1) < 0.0, -1.0, 1.0)[:, None]
-
-
-def _outer_touch(part: MedialAxis) -> Floats:
-    """From each centre to that of its two touch points that is further from the middle (n, 3)."""
-    touch = part.touch_points - part.centers[:, None]
-    away = part.centers - part.centers.mean(axis=0)
-    inner = (touch[:, 0] * away).sum(axis=1) < (touch[:, 1] * away).sum(axis=1)
-    return np.where(inner[:, None], touch[:, 1], touch[:, 0])
-
-
-def _special_solids(
-    axis: MedialAxis,
-    part: MedialAxis,
-    fate: NDArray[np.int8],
-    kept: Ints,
-    search_radius: float,
-) -> list[Rows]:
-    """One sphere for each heap of coinciding ones, as a ball or by its opposing touch points."""
-    parts: list[Rows] = []
-    left = kept[fate[kept] == SphereFate.BALL]
-    row_of = {int(sphere): row for row, sphere in enumerate(kept)}
-    outer = _outer_touch(part)
-    while len(left):
-        rows = np.array([row_of[int(sphere)] for sphere in left])
-        # the widest pair of touch points, and among equals the inscribed sphere
-        wide = (-part.radii[rows], -part.object_angles[rows].round(6))
-        first = rows[np.lexsort(wide)[0]]
-        away = np.linalg.norm(part.centers[rows] - part.centers[first], axis=1)
-        heap = rows[away <= search_radius]
-        fate[kept[heap]] = SphereFate.REPRESENTED
-        touch = part.touch_points[heap].reshape(-1, 3)
-        all_touch = np.concatenate([touch, _touches_about(axis, part, first)])
-        chords = opposing_chords(all_touch - part.centers[first], part.radii[first])
-        fate[kept[first]] = SphereFate.DOMINANT_SPHERE if len(chords) else SphereFate.BALL
-        other = touch[
-            np.linalg.norm(np.cross(touch - part.centers[first], outer[first]), axis=1).argmax()
-        ]
-        approach, closing = ball_directions(chords, (outer[first], other - part.centers[first]))
-        parts.append((np.full(len(approach), kept[first]), approach, closing))
-        left = left[away > search_radius]
-    return parts
-
-
-def _touches_about(axis: MedialAxis, part: MedialAxis, row: int) -> Floats:
-    """Touch points (n, 3) of all spheres that nearly coincide with one of `part`.
-
-    A sphere knows the two touch points that are widest apart and no others. The further faces
-    of a cube are touched by spheres about its middle whose own two points lie on faces that
-    meet: too narrow to bear candidates, but they touch the solid as well.
-    """
-    away = np.linalg.norm(axis.centers - part.centers[row], axis=1)
-    return axis.touch_points[away <= COMPACT * part.radii[row]].reshape(-1, 3)
 
 
 def _joined(parts: list[Rows], axis: MedialAxis, fate: NDArray[np.int8]) -> CandidateGrasps:

@@ -19,7 +19,8 @@ import trimesh
 from medkit.errors import InputError
 from medkit.files import cache_folder, write_text
 from medkit.geometry import Floats
-from medkit.grasping.candidates import CandidateGrasps, candidates_from_axis
+from medkit.grasping.candidate_set import CandidateGrasps
+from medkit.grasping.candidates import candidates_from_axis
 from medkit.grasping.grasp_set import OUTCOMES, Grasp
 from medkit.grasping.parallel import in_processes
 from medkit.grasping.planners import (

@@ -10,23 +10,19 @@ published one.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from copy import copy
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from medkit.errors import InputError
 from medkit.geometry import Floats, unit
-from medkit.grasping.candidates import CandidateGrasps, SphereFate, candidates_from_axis
-from medkit.grasping.grasp_set import START_COLLISION, Grasp
+from medkit.grasping.candidate_set import CandidateGrasps, SphereFate
+from medkit.grasping.candidates import candidates_from_axis
 from medkit.grasping.planners import radii_for, sphere_numbers
-from medkit.grasping.power import PowerCloser
 from medkit.grasping.reach import blocked, local_thickness, way_out
 from medkit.grasping.stopwatch import Stopwatch
-from medkit.grasping.testers import PowerTester
 from medkit.medial.axis import MedialAxis, medial_axis
 from medkit.medial.surface import sample_surface
 from medkit.robots.hand import Hand
@@ -49,12 +45,6 @@ FINGER_SHARE = 0.2
 WIDTHS = (0.4, 0.2, 0.0)
 #: A sphere whose centre lies in another one so many times as large is a detail of a thicker part.
 DETAIL = 1.5
-#: How far a power grasp stands back from where the palm meets the object, as shares of the
-#: largest radius that the hand encloses.
-STAND_BACK = (1.0 / 3.0, 2.0 / 3.0, 1.0)
-#: How much wider the pads open than published, beside thin parts they need room; and how far they
-#: stand back, as a share of that radius.
-WIDE, PAD_BACK = 1.5, 0.2
 
 
 def improved_candidates(
@@ -85,7 +75,7 @@ def improved_candidates(
     -------
     CandidateGrasps
         In the order of the spheres; spheres whose every approach is blocked keep their fate.
-        The published ones where all are blocked.
+        Where all are blocked, the published ones in parts that the hand can enclose.
 
     Notes
     -----
@@ -107,7 +97,8 @@ def improved_candidates(
         if met.any():
             return found.select(np.flatnonzero(met))
     # where no way is free, the published ones: the closing tells what they are worth
-    return published
+    thick = local_thickness(axis, published.grasp_point) > hand.max_sphere_radius
+    return published.select(np.flatnonzero(~thick))
 
 
 def _thinned(found: CandidateGrasps) -> CandidateGrasps:
@@ -138,11 +129,12 @@ def conditions_met(
     Returns
     -------
     ndarray of bool, shape (m,)
-        True where the sphere is no detail of a thicker part, the palm comes from outside and as
-        near as the hand encloses, and nothing stands where the fingers go.
+        True where the sphere is no detail of a thicker part and lies in none that the hand cannot
+        enclose, the palm comes from outside and as near as the hand encloses, and nothing stands
+        where the fingers go.
     """
-    detail = local_thickness(axis, found.grasp_point) > DETAIL * found.radius
-    met = ~detail
+    thickness = local_thickness(axis, found.grasp_point)
+    met = thickness <= np.minimum(DETAIL * found.radius, room)
     rows = np.flatnonzero(met)
     depth, behind = way_out(axis, found.grasp_point[rows], -found.approach[rows])
     met[rows] = np.isinf(behind) & (depth <= found.radius[rows] + room)
@@ -266,89 +258,6 @@ def spread_candidates(
     order = np.argsort(sphere_numbers(candidates), kind="stable")
     drawn = order[rng.permutation(len(candidates))[:most]]
     return candidates.select(np.sort(drawn))
-
-
-class SearchingTester:
-    """Tests each candidate in a few ways and keeps the best.
-
-    Parameters
-    ----------
-    tester : object
-        What tests one of them: `PowerTester` or `PrecisionTester`.
-    room : float
-        Largest radius that the hand encloses [m].
-    """
-
-    def __init__(self, tester: Any, room: float) -> None:
-        self.tester = tester
-        self.room = room
-        self.power = isinstance(tester, PowerTester)
-        self.other = _fingers_reversed(tester) if self.power else _wider_open(tester)
-        self._finger_of = tester.closer.hand.finger_of_link()
-
-    @classmethod
-    def around(cls, tester: Any, hand: Hand) -> SearchingTester:
-        """Search with a hand's own room."""
-        return cls(tester, hand.max_sphere_radius)
-
-    def parts(self) -> dict[str, Any]:
-        """What another process needs to build the same tester."""
-        return {"type": type(self.tester), "parts": self.tester.parts(), "room": self.room}
-
-    @classmethod
-    def from_parts(cls, parts: Mapping[str, Any]) -> SearchingTester:
-        """Build a tester from `parts`."""
-        return cls(parts["type"].from_parts(parts["parts"]), parts["room"])
-
-    def test(
-        self, point: Floats, approach: Floats, closing_axis: Floats, radius: float
-    ) -> tuple[Grasp, float]:
-        """The best of the tried grasps, the first among equals, and the time of all qualities."""
-        first, spent = self.tester.test(point, approach, closing_axis, radius)
-        tried, times = [first], [spent]
-        for tester, step in self._ways(first):
-            grasp, spent = tester.test(point + step * approach, approach, closing_axis, radius)
-            tried.append(grasp)
-            times.append(spent)
-        best = max(tried, key=lambda grasp: grasp.epsilon)
-        return replace(best, grasp_point=point), sum(times)
-
-    def _ways(self, first: Grasp) -> list[tuple[Any, float]]:
-        """What to try after the published grasp: testers, and how far the point moves [m]."""
-        if not self.power:
-            back = -PAD_BACK * self.room
-            return [(self.other, 0.0), (self.tester, back), (self.other, back)]
-        if first.outcome == START_COLLISION:
-            return []
-        ways = [(self.tester, step) for step in self._steps(first)]
-        touching = {self._finger_of.get(name) for name in first.links}
-        idle = len(touching - {None}) < len(self.tester.closer.hand.fingers)
-        return [*ways, (self.other, 0.0)] if idle else ways
-
-    def _steps(self, first: Grasp) -> list[float]:
-        """How far to move the point along the approach [m] to stand back from the object.
-
-        A power grasp ends with the palm on the object: a deeper point ends there as well, and one
-        less deep only counts from where the hand was drawn back to.
-        """
-        palm = (first.pose @ self.tester.closer.hand.T_hand_power)[:3, 3]
-        drawn_back = float((first.grasp_point - palm) @ first.approach)
-        return [-drawn_back - share * self.room for share in STAND_BACK]
-
-
-def _fingers_reversed(tester: PowerTester) -> PowerTester:
-    """The same tests with the fingers closing in reverse order: one may have barred another."""
-    closer = tester.closer
-    order = tuple(finger.name for finger in closer.hand.fingers)[::-1]
-    return PowerTester(PowerCloser(closer.hand, closer.field, finger_order=order), tester.quality)
-
-
-def _wider_open(tester: Any) -> Any:
-    """The same precision tests with the pads further apart."""
-    wide = copy(tester)
-    wide.closer = copy(tester.closer)
-    wide.closer.opening_factor = WIDE * tester.closer.opening_factor
-    return wide
 
 
 def _together(first: CandidateGrasps, second: CandidateGrasps) -> CandidateGrasps:

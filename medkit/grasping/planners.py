@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from medkit.errors import InputError
 from medkit.geometry import Floats, expected, nonnegative
-from medkit.grasping.candidates import CandidateGrasps, candidates_from_axis
+from medkit.grasping.candidate_set import CandidateGrasps
+from medkit.grasping.candidates import candidates_from_axis
 from medkit.grasping.grasp_set import Grasp, GraspSet, ObjectRecord
 from medkit.grasping.stopwatch import Stopwatch
 from medkit.grasping.testers import MIN_CONTACTS as MIN_CONTACTS
@@ -260,7 +261,7 @@ CANDIDATE_SOURCES = {
 #: Planners that draw their candidates in their own way, instead of `choose_candidates`.
 CHOOSERS = {"medial-plus": "medkit.grasping.improved:spread_candidates"}
 #: Planners that test a candidate in their own way, called as ``(tester, hand)``.
-REFINERS = {"medial-plus": "medkit.grasping.improved:SearchingTester.around"}
+REFINERS = {"medial-plus": "medkit.grasping.local_search:SearchingTester.around"}
 #: Closing strategies by the kind of grasp, as "module:function". Each is called as
 #: ``(hand, triangles, quality)`` and returns a `GraspTester`.
 TESTERS = {

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from medkit.geometry import nonnegative, rotation_about, unit
-from medkit.grasping.candidates import CandidateGrasps
+from medkit.grasping.candidate_set import CandidateGrasps
 from medkit.grasping.experiments import ObjectBench, Setting
 from medkit.grasping.grasp_set import FORCE_CLOSURE, Grasp
 from medkit.grasping.planners import MIN_CONTACTS, Quality, run_candidates

@@ -1,10 +1,24 @@
-"""Approach directions for balls and solids with one dominant inscribed sphere (P13 4.4.4)."""
+"""Balls, solids with one dominant inscribed sphere, and sheets seen whole (P13 4.4.4)."""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
+from numpy.typing import NDArray
 
 from medkit.geometry import Floats, perpendicular, unit
+from medkit.grasping.candidate_set import Ints, SphereFate
+from medkit.medial.axis import MedialAxis
+from medkit.medial.symmetry import LocalSymmetry, SymmetryKind
+
+Rows = tuple[Ints, Floats, Floats]  # sphere, approach, closing axis
+
+#: Centres spread less than this share of the radius belong to one dominant sphere.
+COMPACT = 0.1
+#: A sphere on the straight border of a sheet is so far from the centroid of its neighbourhood, a
+#: half-disc, in standard deviations along it: 4 R / 3 pi over R / 2.
+ON_BORDER = 8.0 / (3.0 * np.pi)
 
 #: Touch points count as opposing when the angle between them is within this of 180 deg [rad].
 OPPOSING = np.radians(12.0)
@@ -17,6 +31,96 @@ MOST_CHORDS = 10
 STEPS = 4
 #: Approach directions of a ball, and turns of the hand about each.
 BALL_DIRECTIONS, BALL_ROLLS = 16, 4
+
+
+def solid_candidates(
+    axis: MedialAxis,
+    part: MedialAxis,
+    fate: NDArray[np.int8],
+    kept: Ints,
+    search_radius: float,
+) -> list[Rows]:
+    """One sphere for each heap of coinciding ones, as a ball or by its opposing touch points."""
+    parts: list[Rows] = []
+    left = kept[fate[kept] == SphereFate.BALL]
+    row_of = {int(sphere): row for row, sphere in enumerate(kept)}
+    outer = outer_touch(part)
+    while len(left):
+        rows = np.array([row_of[int(sphere)] for sphere in left])
+        # the widest pair of touch points, and among equals the inscribed sphere
+        wide = (-part.radii[rows], -part.object_angles[rows].round(6))
+        first = rows[np.lexsort(wide)[0]]
+        away = np.linalg.norm(part.centers[rows] - part.centers[first], axis=1)
+        heap = rows[away <= search_radius]
+        fate[kept[heap]] = SphereFate.REPRESENTED
+        touch = part.touch_points[heap].reshape(-1, 3)
+        all_touch = np.concatenate([touch, _touches_about(axis, part, first)])
+        chords = opposing_chords(all_touch - part.centers[first], part.radii[first])
+        fate[kept[first]] = SphereFate.DOMINANT_SPHERE if len(chords) else SphereFate.BALL
+        other = touch[
+            np.linalg.norm(np.cross(touch - part.centers[first], outer[first]), axis=1).argmax()
+        ]
+        approach, closing = ball_directions(chords, (outer[first], other - part.centers[first]))
+        parts.append((np.full(len(approach), kept[first]), approach, closing))
+        left = left[away > search_radius]
+    return parts
+
+
+def _touches_about(axis: MedialAxis, part: MedialAxis, row: int) -> Floats:
+    """Touch points (n, 3) of all spheres that nearly coincide with one of `part`.
+
+    A sphere knows the two touch points that are widest apart and no others. The further faces
+    of a cube are touched by spheres about its middle whose own two points lie on faces that
+    meet: too narrow to bear candidates, but they touch the solid as well.
+    """
+    away = np.linalg.norm(axis.centers - part.centers[row], axis=1)
+    return axis.touch_points[away <= COMPACT * part.radii[row]].reshape(-1, 3)
+
+
+def outer_touch(part: MedialAxis) -> Floats:
+    """From each centre to that of its two touch points that is further from the middle (n, 3)."""
+    touch = part.touch_points - part.centers[:, None]
+    away = part.centers - part.centers.mean(axis=0)
+    inner = (touch[:, 0] * away).sum(axis=1) < (touch[:, 1] * away).sum(axis=1)
+    return np.where(inner[:, None], touch[:, 1], touch[:, 0])
+
+
+def borders_of_whole_sheets(symmetry: LocalSymmetry, centers: Floats) -> LocalSymmetry:
+    """Find the rims of sheets so small that every neighbourhood holds the whole of one.
+
+    There rho tells the shape of the sheet and not where on it a sphere lies: a flat box the size
+    of the hand would be the inside of a sheet all over, and have no candidates.
+
+    Parameters
+    ----------
+    symmetry : LocalSymmetry
+        All spheres of an object; returned as it is where any bears candidates.
+    centers : ndarray, shape (n, 3)
+        Their centres [m].
+
+    Returns
+    -------
+    LocalSymmetry
+        The same with spheres as far from the centroid of their neighbourhood as a straight border
+        would be as `SymmetryKind.RIM`, ``e2`` towards the centroid.
+
+    Notes
+    -----
+    No published source: P13 4.3 takes the search radius small against the sheets.
+    """
+    inside = symmetry.kind == SymmetryKind.INTERIOR
+    if not inside.any() or (~inside & (symmetry.kind != SymmetryKind.TOO_FEW)).any():
+        return symmetry
+    offset = symmetry.centroid - centers
+    normal = np.cross(symmetry.e1, symmetry.e2)
+    offset -= np.einsum("ij,ij->i", offset, normal)[:, None] * normal
+    away = np.linalg.norm(offset, axis=1)
+    rows = np.flatnonzero(inside & (away >= ON_BORDER * np.sqrt(symmetry.lambdas[:, 0])))
+    kind, e1, e2 = symmetry.kind.copy(), symmetry.e1.copy(), symmetry.e2.copy()
+    kind[rows] = SymmetryKind.RIM
+    e2[rows] = offset[rows] / away[rows, None]
+    e1[rows] = np.cross(e2[rows], normal[rows])
+    return replace(symmetry, kind=kind, e1=e1, e2=e2)
 
 
 def opposing_chords(touch: Floats, radius: float) -> Floats:

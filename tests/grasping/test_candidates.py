@@ -10,15 +10,24 @@ from medkit.datasets.objects import load_object
 from medkit.errors import InputError
 from medkit.geometry import apply, random_rotation, transform
 from medkit.grasping import (
+    MedialSphereGrid,
     SphereFate,
+    SymmetryKind,
     candidates_from_axis,
+    local_symmetry,
     medial_axis,
     medial_axis_from_surface,
     plan_grasps,
     sample_surface,
 )
 from medkit.grasping.reach import way_out
-from medkit.grasping.special_solids import BALL_ROLLS, ball_directions, opposing_chords
+from medkit.grasping.special_solids import (
+    BALL_ROLLS,
+    ball_directions,
+    borders_of_whole_sheets,
+    opposing_chords,
+)
+from medkit.medial.filters import MIN_OBJECT_ANGLE
 from medkit.robots import load_hand
 
 
@@ -184,3 +193,49 @@ def test_a_rim_ends_with_the_object_within_its_neighbourhood():
         assert len(rim) > 100
         assert (room >= radius).all()
         assert (depth <= rim.radius + radius).all()
+
+
+@pytest.fixture(scope="module")
+def slab():
+    """A flat box the size of the hand, turned askew."""
+    box = trimesh.creation.box([0.05, 0.04, 0.02])
+    turn = np.eye(4)
+    turn[:3, :3] = random_rotation(np.random.default_rng(8))
+    return box.apply_transform(turn), turn[:3, :3]
+
+
+def test_a_sheet_seen_whole_is_grasped_across_its_border_from_outside(slab):
+    mesh, turn = slab
+    axis = medial_axis(mesh)
+    wide = axis.select(np.flatnonzero(axis.object_angles > MIN_OBJECT_ANGLE))
+    plain = local_symmetry(MedialSphereGrid.from_axis(wide), 0.06)
+    assert set(plain.kind) <= {SymmetryKind.INTERIOR, SymmetryKind.TOO_FEW}
+    found = candidates_from_axis(axis, search_radius=0.06)
+    assert set(found.kind) == {SphereFate.RIM}
+    ahead, along = found.approach @ turn, found.closing_axis @ turn
+    place = found.grasp_point @ turn
+    # the hand comes inwards, and the fingers close across the thin side
+    assert (np.einsum("ij,ij->i", ahead, place) < 0.0).all()
+    across = np.cross(ahead, along)
+    assert np.abs(across[:, 2]).min() > 0.99
+
+
+def test_spheres_on_the_border_of_a_whole_sheet_are_those_far_from_its_middle(slab):
+    mesh, turn = slab
+    axis = medial_axis(mesh)
+    found = candidates_from_axis(axis, search_radius=0.06)
+    place = np.abs(axis.centers @ turn)
+    inside = found.fate == SphereFate.INSIDE_SHEET
+    assert inside.sum() > 20
+    assert (
+        np.linalg.norm(place[inside], axis=1).max()
+        < np.linalg.norm(place[found.fate == SphereFate.RIM], axis=1).max()
+    )
+
+
+def test_sheets_with_rims_of_their_own_are_left_as_they_are():
+    axis = medial_axis(trimesh.creation.box([0.3, 0.2, 0.02]))
+    wide = axis.select(np.flatnonzero(axis.object_angles > MIN_OBJECT_ANGLE))
+    symmetry = local_symmetry(MedialSphereGrid.from_axis(wide), 0.03)
+    assert (symmetry.kind == SymmetryKind.RIM).any()
+    assert borders_of_whole_sheets(symmetry, wide.centers) is symmetry
