@@ -13,7 +13,7 @@ from medkit import datasets, grasping, handover, medial, planar, quality, simila
 from medkit.errors import InputError
 from medkit.geometry import expected, points_array
 from medkit.grasping.batch import plan_many
-from medkit.grasping.planners import CANDIDATE_SOURCES
+from medkit.grasping.strategies import CANDIDATE_SOURCES
 from medkit.robots import load_hand
 from medkit.similarity import clusters, hands, ranking, symmetry
 

@@ -65,7 +65,8 @@ def run(args: argparse.Namespace) -> int:
     check_arguments(args)
     import numpy as np
 
-    from medkit.grasping.planners import CANDIDATE_SOURCES, looked_up, plan_grasps, with_origin
+    from medkit.grasping.planners import plan_grasps, with_origin
+    from medkit.grasping.strategies import CANDIDATE_SOURCES, looked_up
     from medkit.meshes import load_mesh, refuse_wrong_scale, repair_mesh
     from medkit.robots import load_hand
 

@@ -21,23 +21,22 @@ from medkit.files import cache_folder, write_text
 from medkit.geometry import Floats
 from medkit.grasping.candidate_set import CandidateGrasps
 from medkit.grasping.candidates import candidates_from_axis
+from medkit.grasping.choosing import choose_candidates
 from medkit.grasping.grasp_set import OUTCOMES, Grasp
-from medkit.grasping.parallel import in_processes
-from medkit.grasping.planners import (
-    CANDIDATE_SOURCES,
-    CHOOSERS,
-    REFINERS,
-    TESTERS,
-    Quality,
-    choose_candidates,
-    looked_up,
-    radii_for,
-    run_candidates,
-)
+from medkit.grasping.parallel import in_processes, run_candidates
 from medkit.grasping.settings import EXPERIMENTS as EXPERIMENTS
 from medkit.grasping.settings import Experiment as Experiment
 from medkit.grasping.settings import Setting
 from medkit.grasping.stopwatch import Stopwatch
+from medkit.grasping.strategies import (
+    CANDIDATE_SOURCES,
+    CHOOSERS,
+    REFINERS,
+    TESTERS,
+    looked_up,
+    radii_for,
+)
+from medkit.grasping.testers import Quality
 from medkit.grasping.yields import failure_reasons as failure_reasons
 from medkit.grasping.yields import mean_yields as mean_yields
 from medkit.grasping.yields import yield_table as yield_table

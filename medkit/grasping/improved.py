@@ -16,13 +16,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from medkit.errors import InputError
 from medkit.geometry import Floats, unit
 from medkit.grasping.candidate_set import CandidateGrasps, SphereFate
 from medkit.grasping.candidates import candidates_from_axis
-from medkit.grasping.planners import radii_for, sphere_numbers
 from medkit.grasping.reach import blocked, local_thickness, way_out
 from medkit.grasping.stopwatch import Stopwatch
+from medkit.grasping.strategies import radii_for
 from medkit.medial.axis import MedialAxis, medial_axis
 from medkit.medial.surface import sample_surface
 from medkit.robots.hand import Hand
@@ -240,24 +239,6 @@ def depth_of_object(points: Floats, centers: Floats, approach: Floats, *, width:
         across = np.einsum("ij,ij->i", away, away) - back**2
         depth[k] = back[across < width**2].max(initial=0.0)
     return depth
-
-
-def spread_candidates(
-    candidates: CandidateGrasps, most: int | None, rng: np.random.Generator
-) -> CandidateGrasps:
-    """At most so many candidates, drawn one by one and evenly from all.
-
-    The published planner draws spheres and takes all candidates of each: few spheres, many alike.
-    Spheres are numbered by their distance from the middle of all, so that the same ones are drawn
-    in whatever order they come.
-    """
-    if most is not None and most < 1:
-        raise InputError(f"Expected at least one candidate, but got {most}; give a larger number.")
-    if most is None or len(candidates) <= most:
-        return candidates
-    order = np.argsort(sphere_numbers(candidates), kind="stable")
-    drawn = order[rng.permutation(len(candidates))[:most]]
-    return candidates.select(np.sort(drawn))
 
 
 def _together(first: CandidateGrasps, second: CandidateGrasps) -> CandidateGrasps:

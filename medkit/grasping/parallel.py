@@ -1,15 +1,19 @@
-"""Testing candidates in several processes: arrays are sent, everything else is built anew."""
+"""Testing candidates, here or in several processes: arrays are sent, the rest is built anew."""
 
 from __future__ import annotations
 
 import multiprocessing
 import signal
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from multiprocessing import resource_tracker
 from typing import Any
 
-from medkit.grasping.testers import warm_quality
+from medkit.grasping.candidate_set import CandidateGrasps
+from medkit.grasping.grasp_set import Grasp
+from medkit.grasping.testers import GraspTester, warm_quality
+
+Progress = Callable[[Iterable[Any], int], Iterable[Any]]
 
 #: Candidates that one process takes at a time.
 CHUNK = 8
@@ -41,6 +45,48 @@ def _deaf_children() -> Iterator[None]:
 
 def _test(row: tuple) -> Any:
     return _tester.test(*row)
+
+
+def processes_for(count: int, jobs: int) -> int:
+    """Number of processes that test `count` candidates when there may be `jobs`."""
+    return jobs if jobs > 1 and count >= 2 * jobs else 1
+
+
+def run_candidates(
+    tester: GraspTester,
+    candidates: CandidateGrasps,
+    *,
+    jobs: int = 1,
+    progress: Progress | None = None,
+) -> Iterator[tuple[Grasp, float]]:
+    """Test candidates one after the other, in this process or in several; same order, same result.
+
+    Parameters
+    ----------
+    tester : GraspTester
+        Closes and judges one candidate after the other.
+    candidates : CandidateGrasps
+        The candidates.
+    jobs : int
+        Number of processes.
+    progress : callable, optional
+        Wraps the iterable of results.
+    """
+    rows = [
+        (
+            candidates.grasp_point[k],
+            candidates.approach[k],
+            candidates.closing_axis[k],
+            float(candidates.radius[k]),
+        )
+        for k in range(len(candidates))
+    ]
+    if processes_for(len(rows), jobs) == 1:
+        results: Iterable[tuple[Grasp, float]] = (tester.test(*row) for row in rows)
+        yield from progress(results, len(rows)) if progress else results
+        return
+    results = tested_in_processes(tester, rows, jobs)
+    yield from progress(results, len(rows)) if progress else results
 
 
 def tested_in_processes(tester: Any, rows: list[tuple], jobs: int) -> Iterator[Any]:

@@ -12,8 +12,9 @@ from medkit.geometry import nonnegative, rotation_about, unit
 from medkit.grasping.candidate_set import CandidateGrasps
 from medkit.grasping.experiments import ObjectBench, Setting
 from medkit.grasping.grasp_set import FORCE_CLOSURE, Grasp
-from medkit.grasping.planners import MIN_CONTACTS, Quality, run_candidates
+from medkit.grasping.parallel import run_candidates
 from medkit.grasping.power import Contacts
+from medkit.grasping.testers import MIN_CONTACTS, Quality
 
 
 def displaced(

@@ -14,7 +14,7 @@ from medkit.grasping.baselines import (
     joined_candidates,
     surface_normal_candidates,
 )
-from medkit.grasping.planners import CANDIDATE_SOURCES, looked_up
+from medkit.grasping.strategies import CANDIDATE_SOURCES, looked_up
 from medkit.robots import load_hand
 
 BALL = trimesh.creation.icosphere(4, 0.05)

@@ -10,7 +10,7 @@ from scipy.stats import qmc
 
 from medkit.grasping import plan_power_grasps
 from medkit.grasping.closing.hand_tables import halton
-from medkit.grasping.planners import processes_for
+from medkit.grasping.parallel import processes_for
 from medkit.grasping.stopwatch import STAGES, Stopwatch
 from medkit.robots import load_hand
 

@@ -12,6 +12,7 @@ from medkit.datasets.objects import load_object
 from medkit.errors import InputError
 from medkit.geometry import random_rotation
 from medkit.grasping import SphereFate, candidates_from_axis, medial_axis, plan_grasps
+from medkit.grasping.choosing import spread_candidates
 from medkit.grasping.improved import (
     DETAIL,
     MOST,
@@ -19,7 +20,6 @@ from medkit.grasping.improved import (
     depth_of_object,
     finger_places,
     improved_candidates,
-    spread_candidates,
     straddle,
 )
 from medkit.grasping.reach import blocked, local_thickness

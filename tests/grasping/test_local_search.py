@@ -11,11 +11,12 @@ import trimesh
 from medkit.datasets.objects import load_object
 from medkit.geometry import random_rotation
 from medkit.grasping.candidate_set import CandidateGrasps
-from medkit.grasping.improved import improved_candidates, spread_candidates
+from medkit.grasping.choosing import spread_candidates
+from medkit.grasping.improved import improved_candidates
 from medkit.grasping.local_search import SHIFT, SearchingTester, Try
-from medkit.grasping.planners import Quality, power_tester
 from medkit.grasping.precision import precision_tester
 from medkit.grasping.stopwatch import Stopwatch
+from medkit.grasping.testers import Quality, power_tester
 from medkit.meshes import mass_properties
 from medkit.robots import load_hand
 

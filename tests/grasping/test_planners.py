@@ -11,15 +11,10 @@ from scipy.spatial import cKDTree
 
 from medkit.geometry import apply, random_rotation, transform
 from medkit.grasping import candidates_from_axis, medial_axis, plan_grasps
-from medkit.grasping.planners import (
-    TESTERS,
-    choose_candidates,
-    looked_up,
-    medial_candidates,
-    radii_for,
-    run_candidates,
-)
+from medkit.grasping.choosing import choose_candidates
+from medkit.grasping.parallel import run_candidates
 from medkit.grasping.stopwatch import Stopwatch
+from medkit.grasping.strategies import TESTERS, looked_up, medial_candidates, radii_for
 from medkit.grasping.testers import Quality
 from medkit.meshes import mass_properties
 from medkit.robots import load_hand

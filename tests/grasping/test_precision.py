@@ -9,9 +9,9 @@ from medkit.geometry import random_rotation, rotation_about
 from medkit.grasping.closing.object_field import object_field
 from medkit.grasping.closing.pad_kernels import close_pads
 from medkit.grasping.closing.self_kernels import SELF_DEPTH, least_gap
-from medkit.grasping.planners import Quality
 from medkit.grasping.precision import PrecisionCloser, PrecisionTester
 from medkit.grasping.precision_grip import opposing_fingers, precision_grip
+from medkit.grasping.testers import Quality
 from medkit.meshes import mass_properties
 from medkit.robots import load_hand
 
