@@ -74,7 +74,7 @@ def improved_candidates(
     -------
     CandidateGrasps
         In the order of the spheres; spheres whose every approach is blocked keep their fate.
-        Where all are blocked, the published ones in parts that the hand can enclose.
+        Where all are blocked, the published ones, without those in parts much too thick.
 
     Notes
     -----
@@ -95,9 +95,10 @@ def improved_candidates(
         met = conditions_met(found, axis, surface, room=hand.max_sphere_radius, width=width)
         if met.any():
             return found.select(np.flatnonzero(met))
-    # where no way is free, the published ones: the closing tells what they are worth
-    thick = local_thickness(axis, published.grasp_point) > hand.max_sphere_radius
-    return published.select(np.flatnonzero(~thick))
+    # where no way is free, the published ones, but for details of what no hand encloses: the
+    # closing tells what they are worth
+    thickness = local_thickness(axis, published.grasp_point)
+    return published.select(np.flatnonzero(thickness <= DETAIL * hand.max_sphere_radius))
 
 
 def _thinned(found: CandidateGrasps) -> CandidateGrasps:
@@ -128,12 +129,11 @@ def conditions_met(
     Returns
     -------
     ndarray of bool, shape (m,)
-        True where the sphere is no detail of a thicker part and lies in none that the hand cannot
-        enclose, the palm comes from outside and as near as the hand encloses, and nothing stands
-        where the fingers go.
+        True where the sphere is no detail of a thicker part, the palm comes from outside and as
+        near as the hand encloses, and nothing stands where the fingers go.
     """
-    thickness = local_thickness(axis, found.grasp_point)
-    met = thickness <= np.minimum(DETAIL * found.radius, room)
+    detail = local_thickness(axis, found.grasp_point) > DETAIL * found.radius
+    met = ~detail
     rows = np.flatnonzero(met)
     depth, behind = way_out(axis, found.grasp_point[rows], -found.approach[rows])
     met[rows] = np.isinf(behind) & (depth <= found.radius[rows] + room)
