@@ -51,6 +51,7 @@ def load_mesh(path: str | os.PathLike[str], *, scale: float = 1.0) -> trimesh.Tr
             f"Expected a mesh file ({', '.join(READABLE)}), but got {file.name};"
             " convert it to one of these formats."
         )
+    _refuse_cut_off_stl(file)
     vertices, faces = _read(file)
     if len(faces) == 0:
         raise InputError(
@@ -103,6 +104,26 @@ def used_part(mesh: trimesh.Trimesh) -> tuple[Any, Any]:
     """Return the vertices (n, 3) [m] that some face uses, and the faces (f, 3) renumbered."""
     used, faces = np.unique(np.asarray(mesh.faces, dtype=np.int64), return_inverse=True)
     return np.asarray(mesh.vertices, dtype=float)[used], faces.reshape(-1, 3)
+
+
+def _refuse_cut_off_stl(file: Path) -> None:
+    """Refuse a binary STL file that is shorter than its own header says."""
+    if file.suffix.lower() != ".stl":
+        return
+    try:
+        with file.open("rb") as stream:
+            head = stream.read(84)
+    except OSError:  # the reader says why
+        return
+    # the header of a text file is text, which has no zeros
+    if len(head) < 84 or b"\0" not in head:
+        return
+    announced, present = int.from_bytes(head[80:], "little"), (file.stat().st_size - 84) // 50
+    if present < announced:
+        raise InputError(
+            f"Expected the {announced} triangles that the header of {file.name} announces, but the"
+            f" file ends after {present}; it was cut off, so copy or export it again."
+        )
 
 
 def _read(file: Path) -> tuple[Any, Any]:

@@ -120,6 +120,12 @@ def test_an_output_folder_that_is_missing_is_refused_before_any_work(bar, tmp_pa
     assert not missing.parent.exists()
 
 
+@pytest.mark.parametrize("option", ["--out", "--xml", "--html", "--glb"])
+def test_an_empty_file_name_is_no_wish_for_no_file(bar, option, capsys):
+    assert main(["plan", bar, option, ""]) == 2
+    assert "Expected a file name for the output" in capsys.readouterr().err
+
+
 def test_two_outputs_in_one_file_are_refused(bar, tmp_path, capsys):
     same = str(tmp_path / "out")
     assert main(["plan", bar, "--out", same, "--xml", same]) == 2

@@ -183,6 +183,15 @@ def test_mass_properties_of_a_box():
     assert mass.torque_scale == pytest.approx(0.1 * np.sqrt(3.0))
 
 
+@pytest.mark.parametrize("share", [0.3, 0.5, 0.99])
+def test_a_file_that_was_cut_off_is_said_to_be_cut_off(tmp_path, share):
+    path = tmp_path / "cut.stl"
+    ball().export(path)
+    path.write_bytes(path.read_bytes()[: int(share * path.stat().st_size)])
+    with pytest.raises(InputError, match=r"1280 triangles.*ends after \d+.*copy or export"):
+        load_mesh(path)
+
+
 @pytest.mark.parametrize("ending", ["stl", "obj", "off", "ply", "glb"])
 def test_every_format_gives_the_same_body(tmp_path, ending):
     box().export(tmp_path / f"box.{ending}")
