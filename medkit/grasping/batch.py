@@ -73,6 +73,15 @@ def plan_many(
         If the folder is missing, a name cannot be a file name or comes twice, or dask.distributed
         is asked for but not installed, or nobody answers at the scheduler's address; and at the
         end, with every other object written, if some objects cannot be planned.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> balls = {f"ball {r} mm": trimesh.creation.icosphere(3, r / 1000) for r in (20, 30)}
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     files = plan_many(balls, "wsg50", folder, planner="normals", max_candidates=2)
+    ...     [len(read_grasps(file)) for file in files.values()]
+    [2, 2]
     """
     target = file_path(folder, "a folder for the grasps")
     if not target.is_dir():

@@ -162,6 +162,21 @@ def run_object(
     list of dict
         Setting, number of candidates tested, count of each outcome, median processor time of a
         test [s].
+
+    Raises
+    ------
+    InputError
+        If a setting names a planner or a kind of grasp that does not exist, or the mesh or the
+        friction cannot be used.
+
+    Examples
+    --------
+    >>> from medkit.robots import load_hand
+    >>> ball = trimesh.creation.icosphere(3, 0.03)
+    >>> setting = Setting("normals", "power")
+    >>> row, = run_object(ball, load_hand("wsg50"), [setting], candidates_per_object=4)
+    >>> row["tested"], sum(row[name] for name in OUTCOMES)
+    (4, 4)
     """
     bench = ObjectBench(mesh, hand, friction=friction)
     rows = []
@@ -213,6 +228,21 @@ def run_experiment(
     -------
     pandas.DataFrame
         One row for each object and setting: see `run_object`; ``object`` is the name.
+
+    Raises
+    ------
+    InputError
+        If there is no object, and as `run_object`.
+
+    Examples
+    --------
+    >>> from medkit.robots import load_hand
+    >>> balls = {f"{r} mm": trimesh.creation.icosphere(3, r / 1000) for r in (20, 30)}
+    >>> settings = [Setting("normals", "power")]
+    >>> table = run_experiment(balls, load_hand("wsg50"), settings, candidates_per_object=4,
+    ...                        cache=False)
+    >>> table.object.tolist(), table.tested.tolist()
+    (['20 mm', '30 mm'], [4, 4])
     """
     pairs = list(objects.items() if isinstance(objects, Mapping) else objects)
     if not pairs:

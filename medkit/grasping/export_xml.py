@@ -63,6 +63,10 @@ def write_grasps_xml(
     As in Simox, the transform is the object's pose in the tool frame, in millimetres, and joints
     are in radians or millimetres. The pre-grasp is an element of its own, which Simox does not
     know.
+
+    Examples
+    --------
+    See `read_grasps_xml`.
     """
     if document.get("schema") != "medkit.grasps/1":
         raise InputError(
@@ -152,7 +156,20 @@ def read_grasps_xml(
     Raises
     ------
     InputError
-        If the file cannot be read or holds no grasp set.
+        If the file cannot be read or holds no grasp set, or a number, transform, joint or unit in
+        it cannot be understood.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> grasp = {"outcome": "force_closure", "epsilon": 0.1, "pose": np.eye(4).tolist(),
+    ...          "joints": {"knuckle": 0.5}}
+    >>> document = {"schema": "medkit.grasps/1", "hand": "two", "grasps": [grasp]}
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     written = write_grasps_xml(f"{folder}/grasps.xml", document)
+    ...     found = read_grasps_xml(f"{folder}/grasps.xml")
+    >>> written, found["hand"], found["grasps"][0]["joints"]
+    (1, 'two', {'knuckle': 0.5})
     """
     path = file_path(path, "a grasp set")
     root = _read_root(path)

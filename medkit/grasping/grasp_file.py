@@ -32,7 +32,29 @@ OBJECT = ("path", "sha256", "scale", "extents", "center_mass", "repairs")
 
 
 def grasp_document(found: GraspSet) -> dict[str, Any]:
-    """A grasp set as a document of schema ``medkit.grasps/1`` (lists, numbers and strings)."""
+    """A grasp set as a document of schema ``medkit.grasps/1``.
+
+    Parameters
+    ----------
+    found : GraspSet
+        The grasps, failed ones included.
+
+    Returns
+    -------
+    dict
+        Lists, numbers and texts only; lengths in metres, poses ``T_object_hand`` as four rows.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from medkit.grasping import plan_grasps
+    >>> ball = trimesh.creation.icosphere(3, 0.03)
+    >>> asked = {"planner": "normals", "max_candidates": 2}
+    >>> found = plan_grasps(ball, "wsg50", rng=np.random.default_rng(0), **asked)
+    >>> document = grasp_document(found)
+    >>> document["schema"], document["hand"], len(document["grasps"])
+    ('medkit.grasps/1', 'wsg50', 2)
+    """
     record = found.object
     return {
         "schema": SCHEMA,
@@ -75,6 +97,10 @@ def write_grasps(path: str | os.PathLike[str], found: GraspSet) -> None:
     ------
     InputError
         If the folder does not exist or cannot be written.
+
+    Examples
+    --------
+    See `read_grasps`.
     """
     write_text(path, json.dumps(grasp_document(found), allow_nan=False) + "\n")
 
@@ -96,6 +122,20 @@ def read_grasps(path: str | os.PathLike[str]) -> GraspSet:
     ------
     InputError
         If the file is missing, is no JSON, or breaks the schema; the message names the place.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import trimesh
+    >>> from medkit.grasping import plan_grasps
+    >>> ball = trimesh.creation.icosphere(3, 0.03)
+    >>> asked = {"planner": "normals", "max_candidates": 2}
+    >>> found = plan_grasps(ball, "wsg50", rng=np.random.default_rng(0), **asked)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_grasps(f"{folder}/grasps.json", found)
+    ...     again = read_grasps(f"{folder}/grasps.json")
+    >>> bool((again.grasps[0].pose == found.grasps[0].pose).all())
+    True
     """
     file = file_path(path, "a grasp file")
     try:
@@ -112,7 +152,34 @@ def read_grasps(path: str | os.PathLike[str]) -> GraspSet:
 
 
 def grasps_from_document(document: Any, *, name: str = "the document") -> GraspSet:
-    """Check a document of schema ``medkit.grasps/1`` and build the grasp set."""
+    """Check a document of schema ``medkit.grasps/1`` and build the grasp set.
+
+    Parameters
+    ----------
+    document : mapping
+        Content of a grasp file, as `json.load` gives it.
+    name : str
+        What the sentences of refusal call it.
+
+    Returns
+    -------
+    GraspSet
+        The grasps.
+
+    Raises
+    ------
+    InputError
+        If it breaks the schema: a key is missing, a number is not finite, a pose is not rigid, a
+        direction is not of length one (within 1e-4, as files round). The message names the place.
+
+    Examples
+    --------
+    >>> try:
+    ...     grasps_from_document({"schema": "grasps/0"}, name="old.json")
+    ... except InputError as error:
+    ...     print(error)
+    Expected schema 'medkit.grasps/1' in old.json, but got 'grasps/0'; plan it anew.
+    """
     _check_top(document, name)
     known, place = document["object"], f"object of {name}"
     entries = document["grasps"]

@@ -193,6 +193,11 @@ def epsilon_many(
     EpsilonBatch
         Bounds per grasp.
 
+    Raises
+    ------
+    InputError
+        For arguments out of their range, and lists of points and normals that do not pair up.
+
     Examples
     --------
     >>> pinch = [[-1.0, 0.0], [1.0, 0.0]]
