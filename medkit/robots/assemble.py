@@ -102,6 +102,11 @@ def _bodies(parts: Parts) -> tuple[LinkBody, ...]:
             bodies += [LinkBody(k, *convex_body(points)) for points in link.bodies]
         except InputError as error:
             raise InputError(f"The body of link {link.name!r} cannot be used: {error}") from error
+    if not bodies:
+        raise InputError(
+            "Expected at least one link with a body, but the hand has none; give its links"
+            " collision or visual geometry, or a 'body'."
+        )
     return tuple(bodies)
 
 

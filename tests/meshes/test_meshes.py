@@ -199,6 +199,20 @@ def test_every_format_gives_the_same_body(tmp_path, ending):
     assert body.mesh.volume == pytest.approx(8.0 * box().volume, rel=1e-5)
 
 
+@pytest.mark.parametrize(("ending", "package"), [("3mf", "lxml"), ("dae", "pycollada")])
+def test_a_format_whose_reader_is_not_installed_names_the_package(
+    tmp_path, monkeypatch, ending, package
+):
+    def missing(*_args, **_options):
+        raise ImportError(package)
+
+    monkeypatch.setattr(trimesh, "load_scene", missing)
+    path = tmp_path / f"thing.{ending}"
+    path.write_text("whole")
+    with pytest.raises(InputError, match=f"pip install {package}, or convert"):
+        load_mesh(path)
+
+
 def test_files_that_are_no_meshes(tmp_path):
     (tmp_path / "text.stl").write_text("once upon a time")
     (tmp_path / "cut.stl").write_bytes(ball().export(file_type="stl")[:5000])

@@ -1,5 +1,6 @@
 """Hands of the user's own: a URDF with a short YAML, and every mistake in them."""
 
+import re
 import shutil
 from pathlib import Path
 
@@ -158,6 +159,35 @@ URDF_MISTAKES = {
     "no mesh": (lambda text: text.replace("finger.stl", "f.stl"), "Expected to find the mesh"),
     "no number": (lambda text: text.replace('upper="1.2"', 'upper="wide"'), "'wide'"),
     "no size": (lambda text: text.replace('size="0.10 0.06 0.04"', ""), "three numbers for 'size'"),
+    "link twice": (
+        lambda text: text.replace("</robot>", '<link name="palm"/></robot>'),
+        "'palm' twice",
+    ),
+    "joint twice": (
+        lambda text: text.replace('name="left_tip_joint"', 'name="slider"'),
+        "'slider' twice",
+    ),
+    "two parents": (
+        lambda text: text.replace('child link="right_tip"', 'child link="left_tip"'),
+        "one parent for every link.*'left_tip'",
+    ),
+    "no links": (lambda _: '<robot name="none"/>', "at least one link"),
+    "no axis": (
+        lambda text: text.replace('axis xyz="0 0 1"', 'axis xyz="0 0 0"'),
+        "axis of joint 'slider'",
+    ),
+    "turned-over box": (
+        lambda text: text.replace('size="0.10', 'size="-0.10'),
+        "above zero.*'size' of <box>",
+    ),
+    "no radius": (
+        lambda text: text.replace('radius="0.008"', 'radius="0"'),
+        "above zero.*'radius' of <sphere>",
+    ),
+    "no bodies": (
+        lambda text: re.sub(r"<(collision|visual)>.*?</\1>", "", text, flags=re.DOTALL),
+        "at least one link with a body",
+    ),
     "flat limits": (lambda text: text.replace('upper="0.02"', 'upper="0"'), "lower limit .*slider"),
 }
 
