@@ -11,6 +11,7 @@ import os
 import uuid
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ from medkit.geometry import expected
 from medkit.grasping.grasp_file import read_grasps, write_grasps
 from medkit.grasping.grasp_set import GraspSet
 from medkit.grasping.planners import object_record, plan_grasps, with_origin
+from medkit.robots.digest import hand_digest
 from medkit.robots.hand import Hand
 from medkit.robots.library import usable_hand
 
@@ -155,7 +157,8 @@ def plan_one(
         return error
     except ValueError as error:  # a mesh too broken for the checks: told at the end, with the rest
         return InputError(f"{type(error).__name__}: {error}")
-    return with_origin(found, seed=seed, path=name)
+    marked = replace(found, parameters={**found.parameters, "hand_digest": hand_digest(hand)})
+    return with_origin(marked, seed=seed, path=name)
 
 
 def _results(
@@ -240,6 +243,7 @@ def _is_finished(
         same
         and found.seed == seed
         and found.hand == hand.name
+        and found.parameters.get("hand_digest") == hand_digest(hand)
         and (found.object.sha256 == record.sha256)
     )
 

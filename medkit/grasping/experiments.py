@@ -42,6 +42,7 @@ from medkit.grasping.yields import mean_yields as mean_yields
 from medkit.grasping.yields import yield_table as yield_table
 from medkit.medial.axis import MedialAxis, medial_axis
 from medkit.meshes import mass_properties
+from medkit.robots.digest import hand_digest
 from medkit.robots.hand import Hand
 
 FRICTION = 0.5  # P13 5.1.3
@@ -280,10 +281,9 @@ def _cache_file(
 ) -> Path | None:
     """Where the counts of one object are kept, or None where no cache can be written."""
     digest = hashlib.sha256()
-    for array in (mesh.vertices, mesh.faces, hand.limits, *[b.vertices for b in hand.bodies]):
+    for array in (mesh.vertices, mesh.faces):
         digest.update(np.ascontiguousarray(array).tobytes())
-    for preshape in sorted(hand.preshapes):
-        digest.update(np.ascontiguousarray(hand.preshapes[preshape]).tobytes())
+    digest.update(hand_digest(hand).encode())
     digest.update(json.dumps([[asdict(s) for s in settings], dict(asked)]).encode())
     digest.update(_code_digest())
     try:

@@ -1,5 +1,7 @@
 """Laws of the batch: resumed, serial and distributed runs write the same grasps."""
 
+from dataclasses import replace
+
 import dask
 import distributed
 import numpy as np
@@ -66,6 +68,15 @@ def test_an_argument_that_differs_or_is_left_out_is_planned_anew(tmp_path, first
     planned, ball = [], {"ball": OBJECTS["ball"]}
     for more in (first, then, then):
         plan_many(ball, HAND, tmp_path, done=lambda name, _: planned.append(name), **ASK | more)
+    assert planned == ["ball", "ball"]
+
+
+def test_a_hand_that_was_changed_under_its_name_is_planned_anew(tmp_path):
+    planned, ball = [], {"ball": OBJECTS["ball"]}
+    frame = HAND.T_hand_power.copy()
+    frame[2, 3] -= 0.005
+    for hand in (HAND, replace(HAND, T_hand_power=frame), replace(HAND, T_hand_power=frame)):
+        plan_many(ball, hand, tmp_path, done=lambda name, _: planned.append(name), **ASK)
     assert planned == ["ball", "ball"]
 
 
