@@ -108,7 +108,8 @@ class Contacts:
         torque_origin : array-like, shape (3,) or (2,)
             The point the lever arms start at [m]; it sets where the first edge lies.
         edges : int
-            Edges of a spatial cone, three or more. A planar cone has two whatever is asked.
+            Edges of a spatial cone, three or more; a round cone (None) has none to list and is
+            refused. A planar cone has two whatever is asked.
 
         Returns
         -------
@@ -116,7 +117,7 @@ class Contacts:
             Forces [N] for a normal force of 1 N.
         """
         cones = wrench_cones(self, torque_origin=torque_origin, torque_scale=1.0)
-        profile = cone_profile(self.dimension, "point", edges)
+        profile = linear_profile(self.dimension, "point", edges)
         wrenches = cones.centers[:, None, :] + profile @ cones.axes
         return np.ascontiguousarray(wrenches[:, :, : self.dimension])
 
@@ -158,7 +159,7 @@ class Contacts:
             patch_radius=patch_radius,
         )
         return np.asarray(
-            cones.centers[:, None, :] + cone_profile(self.dimension, contact, edges) @ cones.axes
+            cones.centers[:, None, :] + linear_profile(self.dimension, contact, edges) @ cones.axes
         )
 
 
@@ -202,6 +203,17 @@ def wrench_cones(
 def axis_count(dimension: int, contact: ContactModel) -> int:
     """How many axes a contact's ellipse has: 1 in the plane, 2 in space, 3 for a soft finger."""
     return 1 if dimension == 2 else 3 if contact == "soft" else 2
+
+
+def linear_profile(dimension: int, contact: ContactModel, edges: int | None) -> Floats:
+    """`cone_profile` of cones that have edges; `InputError` for round ones, which have none."""
+    profile = cone_profile(dimension, contact, edges)
+    if len(profile):
+        return profile
+    raise InputError(
+        "Expected edges to be a whole number of three or more, but got None; a round cone has no"
+        " edges to list, pass for example 32."
+    )
 
 
 def cone_profile(dimension: int, contact: ContactModel, edges: int | None) -> Floats:
@@ -326,13 +338,13 @@ def checked_origin(torque_origin: ArrayLike, dimension: int) -> Floats:
     try:
         origin = np.array(torque_origin, dtype=float)
     except (TypeError, ValueError):
-        raise InputError(
-            f"Expected torque_origin to be {dimension} numbers, but got {str(torque_origin)[:40]};"
-            " pass a point [m]."
-        ) from None
+        origin = np.array(np.nan)
     if origin.shape == (dimension,) and isfinite(origin.sum()):
         return origin
-    return points_array(origin.reshape(1, -1), dimension, "torque_origin")[0]
+    raise InputError(
+        f"Expected torque_origin to be {dimension} finite numbers, but got"
+        f" {' '.join(str(torque_origin).split())[:60]}; pass one point [m]."
+    )
 
 
 @njit(cache=True, error_model="numpy")

@@ -167,3 +167,10 @@ def test_contacts_cannot_be_changed_by_attribute():
     assert (len(contacts), contacts.dimension) == (2, 2)
     with pytest.raises(AttributeError):
         contacts.friction = 0.9
+
+
+@pytest.mark.parametrize("origin", [[0.0, 0.0], 0.0, None, [[0.0, 0.0, 0.0]], [0.0, np.nan, 0.0]])
+def test_a_torque_origin_is_asked_for_as_one_point(origin):
+    pinch = Contacts(np.zeros((1, 3)), [[1.0, 0.0, 0.0]], 0.5)
+    with pytest.raises(InputError, match="torque_origin to be 3 finite numbers, but got"):
+        pinch.cone_edges(torque_origin=origin)

@@ -119,7 +119,7 @@ def check_arguments(args: argparse.Namespace) -> None:
             raise InputError(f"Expected {name} of at least 1, but got {value}; give a larger one.")
     if args.seed < 0:
         raise InputError(f"Expected --seed of zero or more, but got {args.seed}; give another.")
-    outputs = [path for path in (args.out, args.xml, args.html, args.glb) if path]
+    outputs = [path for path in (args.out, args.xml, args.html, args.glb) if path is not None]
     for path in outputs:
         check_writable(path)
     if len({Path(path).resolve() for path in outputs}) < len(outputs):

@@ -40,6 +40,11 @@ def handover_folder() -> Path:
 def handover_anomalies() -> pd.DataFrame:
     """Return the nine cells that do not add up to four, with the plausible reading of each.
 
+    Returns
+    -------
+    pandas.DataFrame
+        One row a cell; the README beside the table describes the columns.
+
     Examples
     --------
     >>> handover_anomalies()["sum"].unique().tolist()

@@ -139,7 +139,29 @@ def object_names(size: SizeClass | None = None) -> list[str]:
 
 
 def object_info(name: str) -> ObjectInfo:
-    """Return size class, category, counterpart in P13 of a named object; InputError if unknown."""
+    """What is known of a named object besides its mesh.
+
+    Parameters
+    ----------
+    name : str
+        One of `object_names`.
+
+    Returns
+    -------
+    ObjectInfo
+        Size class, category, longest edge [m], and its counterpart in P13, if it has one.
+
+    Raises
+    ------
+    InputError
+        If there is no such object.
+
+    Examples
+    --------
+    >>> info = object_info("gnome")
+    >>> info.size, info.longest_edge
+    ('hand', 0.27)
+    """
     remedy = "choose one of these, or read your own mesh file"
     return _OBJECTS[one_of(name, _OBJECTS, "an object", remedy)]
 
@@ -177,7 +199,30 @@ def load_object(name: str, *, scale: float = 1.0) -> trimesh.Trimesh:
 
 
 def make_object(name: str, *, triangles: int = 12000) -> trimesh.Trimesh:
-    """Make a named object's mesh anew, about as fine as asked, without the cache."""
+    """Make a named object's mesh anew, about as fine as asked, without the cache.
+
+    Parameters
+    ----------
+    name : str
+        One of `object_names`.
+    triangles : int
+        About how many are wanted; objects with exact edges keep the number that they have.
+
+    Returns
+    -------
+    trimesh.Trimesh
+        As `load_object` gives it [m].
+
+    Raises
+    ------
+    InputError
+        If there is no such object.
+
+    Examples
+    --------
+    >>> make_object("cereal_box").extents.round(3).tolist()
+    [0.19, 0.06, 0.28]
+    """
     info = object_info(name)
     body = info.recipe()
     if isinstance(body, trimesh.Trimesh):

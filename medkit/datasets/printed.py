@@ -23,7 +23,18 @@ PRINTED = {
 
 
 def printed_names() -> list[str]:
-    """Names of the printed tables that `load_printed` reads."""
+    """Names of the printed tables that `load_printed` reads.
+
+    Returns
+    -------
+    list of str
+        In the order of P13's tables 5.1 to 5.7.
+
+    Examples
+    --------
+    >>> printed_names()[0]
+    'yield_power_large'
+    """
     return list(PRINTED)
 
 

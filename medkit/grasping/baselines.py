@@ -165,7 +165,26 @@ def fitted_box_candidates(
 def fitted_boxes(
     mesh: trimesh.Trimesh, *, split_share: float = SPLIT_SHARE
 ) -> list[tuple[Floats, Floats]]:
-    """Boxes of the decomposition: ``T_object_box`` (4, 4) and half edges (3,) [m] of each."""
+    """Boxes of the decomposition (Huebner et al. 2008).
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh
+        A closed mesh with outward normals [m].
+    split_share : float
+        Split a box while the halves' boxes take up less than this share of it [1].
+
+    Returns
+    -------
+    list of (ndarray, ndarray)
+        ``T_object_box`` (4, 4) and half edges (3,) [m] of each box.
+
+    Examples
+    --------
+    >>> (pose, half), = fitted_boxes(trimesh.creation.box((0.1, 0.06, 0.04)))
+    >>> sorted((2 * half).round(2).tolist())
+    [0.04, 0.06, 0.1]
+    """
     spacing = float(np.linalg.norm(mesh.extents)) / 60.0
     return _split(sample_surface(mesh, spacing=spacing).points, split_share, DEEPEST)
 

@@ -11,16 +11,20 @@ import os
 import uuid
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import trimesh
 
+from medkit.arguments import file_path, short, whole
 from medkit.errors import InputError
+from medkit.geometry import expected
 from medkit.grasping.grasp_file import read_grasps, write_grasps
 from medkit.grasping.grasp_set import GraspSet
 from medkit.grasping.planners import object_record, plan_grasps, with_origin
+from medkit.robots.digest import hand_digest
 from medkit.robots.hand import Hand
 from medkit.robots.library import usable_hand
 
@@ -68,15 +72,27 @@ def plan_many(
     Raises
     ------
     InputError
-        If the folder is missing, a name cannot be a file name, or dask.distributed is not
-        installed but asked for; and at the end, with every other object written, if some objects
-        cannot be planned.
+        If the folder is missing, a name cannot be a file name or comes twice, or dask.distributed
+        is asked for but not installed, or nobody answers at the scheduler's address; and at the
+        end, with every other object written, if some objects cannot be planned.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> balls = {f"ball {r} mm": trimesh.creation.icosphere(3, r / 1000) for r in (20, 30)}
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     files = plan_many(balls, "wsg50", folder, planner="normals", max_candidates=2)
+    ...     [len(read_grasps(file)) for file in files.values()]
+    [2, 2]
     """
-    target = Path(folder)
+    target = file_path(folder, "a folder for the grasps")
     if not target.is_dir():
-        raise InputError(f"Expected an existing folder for the grasps, but {target} is not one.")
+        raise InputError(
+            f"Expected an existing folder for the grasps, but {target} is not one; create it first."
+        )
     hand = usable_hand(hand)
-    pairs = dict(objects.items() if isinstance(objects, Mapping) else objects)
+    workers, seed = whole(workers, "workers", 0), whole(seed, "seed", 0)
+    pairs = _named_meshes(objects)
     files = {name: target / f"{_file_name(name)}.json" for name in pairs}
     open_ = {
         name: mesh
@@ -100,6 +116,31 @@ def plan_many(
     return files
 
 
+def _named_meshes(objects: Any) -> dict[str, trimesh.Trimesh]:
+    """The meshes by name, every name once."""
+    try:
+        pairs = [
+            (name, mesh)
+            for name, mesh in (objects.items() if isinstance(objects, Mapping) else objects)
+        ]
+    except InputError:  # of a mesh file that is read on its turn
+        raise
+    except (TypeError, ValueError):
+        raise InputError(
+            f"Expected names with their meshes, but got {short(objects)}; pass a dictionary, or"
+            " what load_folder gives."
+        ) from None
+    names = [name for name, _ in pairs]
+    for name, mesh in pairs:
+        expected(mesh, trimesh.Trimesh, f"the mesh of {name!r}", "load it with load_mesh")
+        if names.count(name) > 1:
+            raise InputError(
+                f"Expected every name once, but {name!r} comes twice; its second file would"
+                " replace the first, so rename one."
+            )
+    return dict(pairs)
+
+
 def plan_one(
     name: str, vertices: np.ndarray, faces: np.ndarray, hand: Hand, seed: int, parameters: dict
 ) -> GraspSet | InputError:
@@ -116,7 +157,8 @@ def plan_one(
         return error
     except ValueError as error:  # a mesh too broken for the checks: told at the end, with the rest
         return InputError(f"{type(error).__name__}: {error}")
-    return with_origin(found, seed=seed, path=name)
+    marked = replace(found, parameters={**found.parameters, "hand_digest": hand_digest(hand)})
+    return with_origin(marked, seed=seed, path=name)
 
 
 def _results(
@@ -162,7 +204,16 @@ def _client(scheduler: str | None, workers: int) -> Any:
             " install medkit[cluster], or run serially with workers=0."
         ) from error
     if scheduler is not None:
-        with Client(scheduler) as client:
+        expected(scheduler, str, "the address of a dask scheduler", "pass it as text")
+        try:
+            client = Client(scheduler)
+        except (OSError, ValueError) as error:
+            reason = " ".join(str(error).split())
+            raise InputError(
+                f"Expected a dask scheduler at {scheduler!r}, but {reason}; start one with"
+                " 'dask scheduler' and pass its address, such as tcp://10.0.0.1:8786."
+            ) from error
+        with client:
             yield client
         return
     with (
@@ -192,6 +243,7 @@ def _is_finished(
         same
         and found.seed == seed
         and found.hand == hand.name
+        and found.parameters.get("hand_digest") == hand_digest(hand)
         and (found.object.sha256 == record.sha256)
     )
 

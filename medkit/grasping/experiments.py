@@ -42,6 +42,7 @@ from medkit.grasping.yields import mean_yields as mean_yields
 from medkit.grasping.yields import yield_table as yield_table
 from medkit.medial.axis import MedialAxis, medial_axis
 from medkit.meshes import mass_properties
+from medkit.robots.digest import hand_digest
 from medkit.robots.hand import Hand
 
 FRICTION = 0.5  # P13 5.1.3
@@ -162,6 +163,21 @@ def run_object(
     list of dict
         Setting, number of candidates tested, count of each outcome, median processor time of a
         test [s].
+
+    Raises
+    ------
+    InputError
+        If a setting names a planner or a kind of grasp that does not exist, or the mesh or the
+        friction cannot be used.
+
+    Examples
+    --------
+    >>> from medkit.robots import load_hand
+    >>> ball = trimesh.creation.icosphere(3, 0.03)
+    >>> setting = Setting("normals", "power")
+    >>> row, = run_object(ball, load_hand("wsg50"), [setting], candidates_per_object=4)
+    >>> row["tested"], sum(row[name] for name in OUTCOMES)
+    (4, 4)
     """
     bench = ObjectBench(mesh, hand, friction=friction)
     rows = []
@@ -213,6 +229,21 @@ def run_experiment(
     -------
     pandas.DataFrame
         One row for each object and setting: see `run_object`; ``object`` is the name.
+
+    Raises
+    ------
+    InputError
+        If there is no object, and as `run_object`.
+
+    Examples
+    --------
+    >>> from medkit.robots import load_hand
+    >>> balls = {f"{r} mm": trimesh.creation.icosphere(3, r / 1000) for r in (20, 30)}
+    >>> settings = [Setting("normals", "power")]
+    >>> table = run_experiment(balls, load_hand("wsg50"), settings, candidates_per_object=4,
+    ...                        cache=False)
+    >>> table.object.tolist(), table.tested.tolist()
+    (['20 mm', '30 mm'], [4, 4])
     """
     pairs = list(objects.items() if isinstance(objects, Mapping) else objects)
     if not pairs:
@@ -250,10 +281,9 @@ def _cache_file(
 ) -> Path | None:
     """Where the counts of one object are kept, or None where no cache can be written."""
     digest = hashlib.sha256()
-    for array in (mesh.vertices, mesh.faces, hand.limits, *[b.vertices for b in hand.bodies]):
+    for array in (mesh.vertices, mesh.faces):
         digest.update(np.ascontiguousarray(array).tobytes())
-    for preshape in sorted(hand.preshapes):
-        digest.update(np.ascontiguousarray(hand.preshapes[preshape]).tobytes())
+    digest.update(hand_digest(hand).encode())
     digest.update(json.dumps([[asdict(s) for s in settings], dict(asked)]).encode())
     digest.update(_code_digest())
     try:

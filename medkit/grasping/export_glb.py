@@ -44,7 +44,15 @@ def grasp_scene(
     Raises
     ------
     InputError
-        If the grasp lacks its pose or joints.
+        If the grasp lacks its pose or joints, or names a joint that the hand has not.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from medkit.robots import load_hand
+    >>> ball, hand = trimesh.creation.icosphere(2, 0.02), load_hand("wsg50")
+    >>> sorted(grasp_scene(ball, hand, {"pose": np.eye(4), "joints": {}}).geometry)
+    ['housing', 'left finger', 'object', 'right finger']
     """
     import trimesh
 
@@ -70,7 +78,20 @@ def write_grasp_glb(
     hand: Hand,
     grasp: Mapping[str, Any],
 ) -> None:
-    """Write `grasp_scene` as a GLB file, whole or not at all."""
+    """Write `grasp_scene` as a GLB file, whole or not at all.
+
+    Parameters
+    ----------
+    path : path-like
+        The file to write.
+    object_mesh, hand, grasp
+        As in `grasp_scene`.
+
+    Raises
+    ------
+    InputError
+        As `grasp_scene`, and if the file cannot be written.
+    """
     content = grasp_scene(object_mesh, hand, grasp).export(file_type="glb")
     with whole_file(path) as draft:
         draft.write_bytes(content)

@@ -10,9 +10,11 @@ from typing import Any
 
 import numpy as np
 
+from medkit.arguments import file_path
 from medkit.errors import InputError
 from medkit.files import whole_file
 from medkit.geometry import Floats, inverse
+from medkit.grasping.file_checks import is_rigid
 
 MILLIMETRES = 1000.0  # [mm / m], the unit of translations in the file
 #: Radians, or metres, per unit of a joint's value.
@@ -61,6 +63,10 @@ def write_grasps_xml(
     As in Simox, the transform is the object's pose in the tool frame, in millimetres, and joints
     are in radians or millimetres. The pre-grasp is an element of its own, which Simox does not
     know.
+
+    Examples
+    --------
+    See `read_grasps_xml`.
     """
     if document.get("schema") != "medkit.grasps/1":
         raise InputError(
@@ -150,14 +156,26 @@ def read_grasps_xml(
     Raises
     ------
     InputError
-        If the file cannot be read or holds no grasp set.
+        If the file cannot be read or holds no grasp set, or a number, transform, joint or unit in
+        it cannot be understood.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> grasp = {"outcome": "force_closure", "epsilon": 0.1, "pose": np.eye(4).tolist(),
+    ...          "joints": {"knuckle": 0.5}}
+    >>> document = {"schema": "medkit.grasps/1", "hand": "two", "grasps": [grasp]}
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     written = write_grasps_xml(f"{folder}/grasps.xml", document)
+    ...     found = read_grasps_xml(f"{folder}/grasps.xml")
+    >>> written, found["hand"], found["grasps"][0]["joints"]
+    (1, 'two', {'knuckle': 0.5})
     """
-    root = _read_root(Path(path))
+    path = file_path(path, "a grasp set")
+    root = _read_root(path)
     group = root if root.tag == "GraspSet" else root.find(".//GraspSet")
     if group is None:
-        raise InputError(
-            f"Expected a <GraspSet> in {Path(path).name}, but found none; pass a grasp set."
-        )
+        raise InputError(f"Expected a <GraspSet> in {path.name}, but found none; pass a grasp set.")
     tool = np.eye(4) if T_hand_tcp is None else np.asarray(T_hand_tcp, dtype=float)
     return {
         "schema": "medkit.grasps/1",
@@ -188,12 +206,31 @@ def _read_grasp(element: ET.Element, tool: Floats, path: Any) -> dict[str, Any]:
         "pose": _read_transform(element, tool, path),
         "pregrasp": None if before is None else _read_transform(before, tool, path),
         "joints": {
-            node.get("name", ""): _number(node, "value", path)
-            * UNITS.get(node.get("unit", "radian"), 1.0)
+            _named(node, path): _number(node, "value", path) * _unit(node, path)
             for node in element.iter("Node")
         },
         "contacts": [],
     }
+
+
+def _named(node: ET.Element, path: Any) -> str:
+    name = node.get("name")
+    if not name:
+        raise InputError(
+            f"Expected every <Node> in {Path(path).name} to name its joint, but one does not;"
+            " repair the file."
+        )
+    return name
+
+
+def _unit(node: ET.Element, path: Any) -> float:
+    unit = node.get("unit", "radian")
+    if unit not in UNITS:
+        raise InputError(
+            f"Expected the unit of {node.get('name')!r} in {Path(path).name} to be one of"
+            f" {', '.join(UNITS)}, but got {unit!r}; convert the value."
+        )
+    return UNITS[unit]
 
 
 def _number(element: ET.Element, key: str, path: Any) -> float:
@@ -223,6 +260,8 @@ def _read_transform(parent: ET.Element, tool: Floats, path: Any) -> list[list[fl
             raise ValueError("rows are missing")
         if not np.isfinite(pose).all():
             raise ValueError("a number is not finite")
+        if not is_rigid(pose):
+            raise ValueError("it is no rotation and translation")
     except ValueError as error:
         raise InputError(
             f"Expected a 4 x 4 transform in {parent.get('name', parent.tag)!r} of"

@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from medkit.arguments import file_path, short
 from medkit.errors import InputError
 from medkit.files import write_text
+from medkit.grasping import file_checks as checks
 from medkit.grasping.grasp_set import Grasp, GraspSet, ObjectRecord
 
 SCHEMA = "medkit.grasps/1"
@@ -28,20 +29,32 @@ TOP: dict[str, type | tuple[type, ...]] = {
     "grasps": list,
 }
 OBJECT = ("path", "sha256", "scale", "extents", "center_mass", "repairs")
-#: Keys of one grasp with the shape of their numbers.
-SHAPES: dict[str, tuple[int, ...]] = {
-    "pose": (4, 4),
-    "pregrasp": (4, 4),
-    "approach": (3,),
-    "closing_axis": (3,),
-    "grasp_point": (3,),
-    "sphere_radius": (),
-    "epsilon": (),
-}
 
 
 def grasp_document(found: GraspSet) -> dict[str, Any]:
-    """A grasp set as a document of schema ``medkit.grasps/1`` (lists, numbers and strings)."""
+    """A grasp set as a document of schema ``medkit.grasps/1``.
+
+    Parameters
+    ----------
+    found : GraspSet
+        The grasps, failed ones included.
+
+    Returns
+    -------
+    dict
+        Lists, numbers and texts only; lengths in metres, poses ``T_object_hand`` as four rows.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from medkit.grasping import plan_grasps
+    >>> ball = trimesh.creation.icosphere(3, 0.03)
+    >>> asked = {"planner": "normals", "max_candidates": 2}
+    >>> found = plan_grasps(ball, "wsg50", rng=np.random.default_rng(0), **asked)
+    >>> document = grasp_document(found)
+    >>> document["schema"], document["hand"], len(document["grasps"])
+    ('medkit.grasps/1', 'wsg50', 2)
+    """
     record = found.object
     return {
         "schema": SCHEMA,
@@ -84,6 +97,10 @@ def write_grasps(path: str | os.PathLike[str], found: GraspSet) -> None:
     ------
     InputError
         If the folder does not exist or cannot be written.
+
+    Examples
+    --------
+    See `read_grasps`.
     """
     write_text(path, json.dumps(grasp_document(found), allow_nan=False) + "\n")
 
@@ -105,15 +122,29 @@ def read_grasps(path: str | os.PathLike[str]) -> GraspSet:
     ------
     InputError
         If the file is missing, is no JSON, or breaks the schema; the message names the place.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> import trimesh
+    >>> from medkit.grasping import plan_grasps
+    >>> ball = trimesh.creation.icosphere(3, 0.03)
+    >>> asked = {"planner": "normals", "max_candidates": 2}
+    >>> found = plan_grasps(ball, "wsg50", rng=np.random.default_rng(0), **asked)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_grasps(f"{folder}/grasps.json", found)
+    ...     again = read_grasps(f"{folder}/grasps.json")
+    >>> bool((again.grasps[0].pose == found.grasps[0].pose).all())
+    True
     """
-    file = Path(path)
+    file = file_path(path, "a grasp file")
     try:
         document = json.loads(file.read_text(encoding="utf-8"))
     except OSError as error:
         raise InputError(
             f"Expected a grasp file, but {file} cannot be read ({error.strerror}); check the path."
         ) from error
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise InputError(
             f"Expected JSON in {file.name}, but {error}; write it with medkit plan."
         ) from error
@@ -121,35 +152,68 @@ def read_grasps(path: str | os.PathLike[str]) -> GraspSet:
 
 
 def grasps_from_document(document: Any, *, name: str = "the document") -> GraspSet:
-    """Check a document of schema ``medkit.grasps/1`` and build the grasp set."""
+    """Check a document of schema ``medkit.grasps/1`` and build the grasp set.
+
+    Parameters
+    ----------
+    document : mapping
+        Content of a grasp file, as `json.load` gives it.
+    name : str
+        What the sentences of refusal call it.
+
+    Returns
+    -------
+    GraspSet
+        The grasps.
+
+    Raises
+    ------
+    InputError
+        If it breaks the schema: a key is missing, a number is not finite, a pose is not rigid, a
+        direction is not of length one (within 1e-4, as files round). The message names the place.
+
+    Examples
+    --------
+    >>> try:
+    ...     grasps_from_document({"schema": "grasps/0"}, name="old.json")
+    ... except InputError as error:
+    ...     print(error)
+    Expected schema 'medkit.grasps/1' in old.json, but got 'grasps/0'; plan it anew.
+    """
     _check_top(document, name)
-    known = document["object"]
+    known, place = document["object"], f"object of {name}"
     entries = document["grasps"]
-    joints = tuple(entries[0].get("joints", ())) if entries else ()
+    joints = _joint_names(entries[0]) if entries else ()
     grasps = tuple(
         _grasp(entry, joints, f"grasps[{k}] of {name}") for k, entry in enumerate(entries)
     )
-    counts = document["counts"]
+    counts = {"candidates_found": len(grasps), **document["counts"]}
+    timing = document["timing_s"]
     return GraspSet(
         object=ObjectRecord(
             str(known["path"]),
             str(known["sha256"]),
-            float(known["scale"]),
-            _numbers(known, "extents", (3,), f"object of {name}"),
-            _numbers(known, "center_mass", (3,), f"object of {name}"),
-            tuple(str(repair) for repair in known["repairs"]),
+            checks.number(known, "scale", place, least=np.nextafter(0.0, 1.0)),
+            checks.numbers(known, "extents", (3,), place),
+            checks.numbers(known, "center_mass", (3,), place),
+            checks.texts(known, "repairs", place),
         ),
         hand=document["hand"],
         planner=document["planner"],
         grasp=document["grasp"],
         joint_names=joints,
         parameters=document["parameters"],
-        seed=document.get("seed"),
-        sphere_counts=counts.get("sphere_fates", {}),
-        candidates_found=int(counts.get("candidates_found", len(grasps))),
-        timing=document["timing_s"],
+        seed=None if document.get("seed") is None else checks.whole(document, "seed", name),
+        sphere_counts=checks.counted(counts, "sphere_fates", f"counts of {name}"),
+        candidates_found=checks.whole(counts, "candidates_found", f"counts of {name}"),
+        timing={key: checks.number(timing, key, f"timing_s of {name}") for key in timing},
         grasps=grasps,
     )
+
+
+def _joint_names(entry: Any) -> tuple[str, ...]:
+    joints = entry.get("joints") if isinstance(entry, Mapping) else None
+    return tuple(joints) if isinstance(joints, Mapping) else ()
 
 
 def _grasp_entry(grasp: Grasp, joint_names: Sequence[str]) -> dict[str, Any]:
@@ -173,7 +237,9 @@ def _grasp_entry(grasp: Grasp, joint_names: Sequence[str]) -> dict[str, Any]:
 def _check_top(document: Any, name: str) -> None:
     if not isinstance(document, Mapping) or document.get("schema") != SCHEMA:
         came = document.get("schema") if isinstance(document, Mapping) else type(document).__name__
-        raise InputError(f"Expected schema {SCHEMA!r} in {name}, but got {came!r}; plan it anew.")
+        raise InputError(
+            f"Expected schema {SCHEMA!r} in {name}, but got {short(came)}; plan it anew."
+        )
     for key, kind in TOP.items():
         if not isinstance(document.get(key), kind):
             raise InputError(
@@ -193,43 +259,27 @@ def _grasp(entry: Any, joint_names: Sequence[str], place: str) -> Grasp:
     joints = entry.get("joints")
     if not isinstance(joints, Mapping) or tuple(joints) != tuple(joint_names):
         raise InputError(
-            f"Expected the joints {', '.join(joint_names)} in {place}, but got {joints!r};"
+            f"Expected the joints {', '.join(joint_names)} in {place}, but got {short(joints)};"
             " every grasp names the same joints."
         )
-    numbers = {key: _numbers(entry, key, shape, place) for key, shape in SHAPES.items()}
     contacts = entry.get("contacts")
     if not isinstance(contacts, list):
-        raise InputError(f"Expected a list of contacts in {place}, but got {contacts!r}; add one.")
-    rows = [
-        (_numbers(c, "point", (3,), place), _numbers(c, "normal", (3,), place), str(c.get("link")))
-        for c in contacts
-    ]
+        raise InputError(
+            f"Expected a list of contacts in {place}, but got {short(contacts)}; add one."
+        )
+    points = [checks.numbers(contact, "point", (3,), place) for contact in contacts]
+    normals = [checks.unit_vector(contact, "normal", place) for contact in contacts]
     return Grasp(
         outcome=entry["outcome"],
-        pose=numbers["pose"],
-        pregrasp=numbers["pregrasp"],
-        q=np.array([float(value) for value in joints.values()]),
-        approach=numbers["approach"],
-        closing_axis=numbers["closing_axis"],
-        grasp_point=numbers["grasp_point"],
-        sphere_radius=float(numbers["sphere_radius"]),
-        points=np.array([row[0] for row in rows]).reshape(-1, 3),
-        normals=np.array([row[1] for row in rows]).reshape(-1, 3),
-        links=tuple(row[2] for row in rows),
-        epsilon=float(numbers["epsilon"]),
+        pose=checks.rigid(entry, "pose", place),
+        pregrasp=checks.rigid(entry, "pregrasp", place),
+        q=np.array([checks.number(joints, joint, f"joints of {place}") for joint in joints]),
+        approach=checks.unit_vector(entry, "approach", place),
+        closing_axis=checks.unit_vector(entry, "closing_axis", place),
+        grasp_point=checks.numbers(entry, "grasp_point", (3,), place),
+        sphere_radius=checks.number(entry, "sphere_radius", place, least=0.0),
+        points=np.array(points).reshape(-1, 3),
+        normals=np.array(normals).reshape(-1, 3),
+        links=tuple(str(contact.get("link")) for contact in contacts),
+        epsilon=checks.number(entry, "epsilon", place, least=0.0),
     )
-
-
-def _numbers(entry: Any, key: str, shape: tuple[int, ...], place: str) -> Any:
-    try:
-        array = np.array(entry[key], dtype=float)
-    except (KeyError, TypeError, ValueError) as error:
-        raise InputError(
-            f"Expected numbers of shape {shape} for {key!r} in {place}, but found none; add them."
-        ) from error
-    if array.shape != shape or not np.isfinite(array).all():
-        raise InputError(
-            f"Expected finite numbers of shape {shape} for {key!r} in {place}, but got shape"
-            f" {array.shape}; correct the entry."
-        )
-    return array

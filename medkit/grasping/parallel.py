@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import multiprocessing
 import signal
+import threading
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from multiprocessing import resource_tracker
 from typing import Any
 
@@ -28,19 +29,29 @@ def _start(tester_type: Any, parts: dict) -> None:
 
 
 @contextmanager
-def _deaf_children() -> Iterator[None]:
-    """Let processes that start in the block ignore an interrupt; the parent ends them."""
-    if not hasattr(signal, "pthread_sigmask"):
+def _interrupts_wait() -> Iterator[None]:
+    """Hold an interrupt back until the block ends; processes that start in it never see one.
+
+    One that struck while a pool starts would leave processes that nobody knows any more.
+    """
+    if threading.current_thread() is not threading.main_thread():  # the others get no interrupt
         yield
         return
     # started on demand, the tracker would unblock the signal again
     resource_tracker.ensure_running()
-    # children inherit what is blocked; an interrupt that comes meanwhile waits for the parent
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    came: list[int] = []
+    handler = signal.signal(signal.SIGINT, lambda number, _frame: came.append(number))
+    # blocked for the children, who inherit it; other threads of ours may still take the signal
+    masks = hasattr(signal, "pthread_sigmask")
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT}) if masks else set()
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        if masks:
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        signal.signal(signal.SIGINT, signal.SIG_DFL if handler is None else handler)
+    if came:
+        signal.raise_signal(signal.SIGINT)
 
 
 def _test(row: tuple) -> Any:
@@ -141,7 +152,13 @@ def in_processes(
         processes end too.
     """
     context = multiprocessing.get_context("spawn")
-    with _deaf_children():
-        pool = context.Pool(jobs, _start if start else None, start or ())
-    with pool:
+    with ExitStack() as stack:
+        with _interrupts_wait():
+            pool = context.Pool(jobs, _start if start else None, start or ())
+            stack.callback(_end, pool)
         yield from pool.imap(function, tasks, chunksize=chunk)
+
+
+def _end(pool: Any) -> None:
+    with _interrupts_wait():  # a second interrupt would leave processes behind, too
+        pool.terminate()

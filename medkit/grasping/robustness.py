@@ -37,6 +37,21 @@ def displaced(
     -------
     CandidateGrasps
         The same candidates, moved.
+
+    Raises
+    ------
+    InputError
+        If `shift` or `turn` is negative or not finite.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from medkit.grasping.baselines import surface_normal_candidates
+    >>> planned = surface_normal_candidates(trimesh.creation.box((0.1, 0.1, 0.1)), candidates=24)
+    >>> met = displaced(planned, shift=0.005, turn=0.1, rng=np.random.default_rng(0))
+    >>> away = np.linalg.norm(met.grasp_point - planned.grasp_point, axis=1)
+    >>> bool(np.allclose(away, 0.005)), bool((met.approach * planned.approach).sum(1).min() > 0.99)
+    (True, True)
     """
     nonnegative(shift, "shift", " m")
     nonnegative(turn, "turn", " rad")
@@ -85,6 +100,21 @@ def yields_under_errors(
     pandas.DataFrame
         ``shift`` [m], ``turn`` [rad], ``tested``, ``held`` (force-closure grasps), ``kept``: of
         the candidates that hold without an error, those that still hold, ``held_before``.
+
+    Raises
+    ------
+    InputError
+        If a shift or a turn is negative or not finite.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from medkit.robots import load_hand
+    >>> bench = ObjectBench(trimesh.creation.icosphere(3, 0.03), load_hand("wsg50"))
+    >>> table = yields_under_errors(bench, Setting("normals", "power"), shifts=(0.0, 0.01),
+    ...                             turns=(), most=4, rng=np.random.default_rng(0))
+    >>> table.tested.tolist(), bool((table.kept <= table.held_before).all())
+    ([4, 4], True)
     """
     chosen = bench.chosen(setting, most=most, rng=rng)
     tester = bench.tester(setting.grasp, setting.planner)
@@ -132,6 +162,22 @@ def yields_over_friction(
     pandas.DataFrame
         ``friction`` [1], ``tested``, ``held`` and ``median_epsilon`` [N] of those that hold (0
         where none does).
+
+    Raises
+    ------
+    InputError
+        If a friction coefficient is negative or not finite.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from medkit.robots import load_hand
+    >>> bench = ObjectBench(trimesh.creation.icosphere(3, 0.03), load_hand("wsg50"))
+    >>> setting = Setting("normals", "power")
+    >>> grasps, _ = bench.grasps(setting, most=4, rng=np.random.default_rng(0))
+    >>> table = yields_over_friction(grasps, bench.quality, [0.1, 0.5])
+    >>> table.tested.tolist(), bool(table.held.is_monotonic_increasing)
+    ([4, 4], True)
     """
     rows = []
     for friction in frictions:

@@ -51,6 +51,13 @@ def yield_table(results: pd.DataFrame) -> pd.DataFrame:
     -------
     pandas.DataFrame
         ``yield_pct``, ``low_pct``, ``high_pct`` [%] (95 %) and ``tested``.
+
+    Examples
+    --------
+    >>> from medkit.grasping.study import load_study
+    >>> row = yield_table(load_study(1)).iloc[0]
+    >>> row.object, bool(row.low_pct < row.yield_pct < row.high_pct)
+    ('glasses', True)
     """
     share, low, high = interval_pct(results[FORCE_CLOSURE], results.tested)
     table = results[["object", *COLUMNS, "tested"]].copy()
@@ -77,6 +84,13 @@ def mean_yields(
     -------
     pandas.DataFrame
         One row a setting: ``yield_pct``, ``low_pct``, ``high_pct`` [%] (95 %), ``objects``.
+
+    Examples
+    --------
+    >>> from medkit.grasping.study import load_study
+    >>> means = mean_yields(load_study(1), rng=np.random.default_rng(0))
+    >>> means.planner.tolist(), set(means.objects.tolist())
+    (['medial', 'medial-plus', 'normals', 'boxes'], {10})
     """
     rows = []
     for key, part in yield_table(results).dropna(subset="yield_pct").groupby(COLUMNS, sort=False):
@@ -105,6 +119,15 @@ def ratio_of_means(
     -------
     ratio, low, high : float
         With a 95 % bootstrap interval over objects; infinite where the lower mean is zero.
+
+    Examples
+    --------
+    >>> from medkit.grasping.study import load_study
+    >>> parts = dict(iter(load_study(1).groupby("planner")))
+    >>> pair = parts["medial"], parts["normals"]
+    >>> ratio, low, high = ratio_of_means(*pair, rng=np.random.default_rng(0))
+    >>> 1.0 < low < ratio < high
+    True
     """
     share = [
         yield_table(part).set_index("object").yield_pct.loc[list(above.object)].to_numpy()
@@ -119,6 +142,23 @@ def ratio_of_means(
 
 
 def failure_reasons(results: pd.DataFrame) -> pd.DataFrame:
-    """Share of each outcome among the tested candidates of each setting [%], rows adding to 100."""
+    """Share of each outcome among the tested candidates of each setting.
+
+    Parameters
+    ----------
+    results : pandas.DataFrame
+        From `run_experiment`.
+
+    Returns
+    -------
+    pandas.DataFrame
+        One row a setting, one column an outcome [%]; rows add to 100.
+
+    Examples
+    --------
+    >>> from medkit.grasping.study import load_study
+    >>> bool(np.allclose(failure_reasons(load_study(1)).sum(axis=1), 100.0))
+    True
+    """
     counts = results.groupby(COLUMNS, sort=False)[list(OUTCOMES)].sum()
     return 100.0 * counts.div(counts.sum(axis=1), axis=0)

@@ -13,6 +13,8 @@ from medkit.errors import InputError
 from medkit.geometry import positive
 
 READABLE = (".stl", ".obj", ".off", ".ply", ".glb", ".gltf", ".3mf", ".dae")
+#: What trimesh reads only together with another package, which medkit does not ask for.
+NEEDED = {".3mf": "lxml", ".dae": "pycollada"}
 LARGEST_OBJECT = 3.0  # [m] longest edge that anybody plans a one-handed grasp for
 SMALLEST_OBJECT = 0.002  # [m]
 HAND_SIZED = 0.15  # [m] what a wrong unit is guessed against
@@ -25,7 +27,8 @@ def load_mesh(path: str | os.PathLike[str], *, scale: float = 1.0) -> trimesh.Tr
     Parameters
     ----------
     path : path-like
-        STL, OBJ, OFF, PLY, GLB, glTF, 3MF or DAE file. Several geometries in one file are joined.
+        STL, OBJ, OFF, PLY, GLB or glTF file; 3MF with the package lxml, DAE with pycollada.
+        Several geometries in one file are joined.
     scale : float
         Metres per unit of the file [m], for example 0.001 for millimetres.
 
@@ -51,6 +54,7 @@ def load_mesh(path: str | os.PathLike[str], *, scale: float = 1.0) -> trimesh.Tr
             f"Expected a mesh file ({', '.join(READABLE)}), but got {file.name};"
             " convert it to one of these formats."
         )
+    _refuse_cut_off_stl(file)
     vertices, faces = _read(file)
     if len(faces) == 0:
         raise InputError(
@@ -105,11 +109,50 @@ def used_part(mesh: trimesh.Trimesh) -> tuple[Any, Any]:
     return np.asarray(mesh.vertices, dtype=float)[used], faces.reshape(-1, 3)
 
 
+def missing_reader(file: Path) -> str:
+    """The sentence for a file whose format needs a package that is not installed.
+
+    Examples
+    --------
+    >>> missing_reader(Path("hand.dae"))[:61]
+    'Expected to read hand.dae, but .dae files need the package py'
+    """
+    ending = file.suffix.lower()
+    package = NEEDED.get(ending, "that trimesh asks for")
+    return (
+        f"Expected to read {file.name}, but {ending} files need the package {package}, which is not"
+        f" installed; run pip install {NEEDED.get(ending, 'trimesh[all]')}, or convert the mesh to"
+        " STL or GLB."
+    )
+
+
+def _refuse_cut_off_stl(file: Path) -> None:
+    """Refuse a binary STL file that is shorter than its own header says."""
+    if file.suffix.lower() != ".stl":
+        return
+    try:
+        with file.open("rb") as stream:
+            head = stream.read(84)
+    except OSError:  # the reader says why
+        return
+    # the header of a text file is text, which has no zeros
+    if len(head) < 84 or b"\0" not in head:
+        return
+    announced, present = int.from_bytes(head[80:], "little"), (file.stat().st_size - 84) // 50
+    if present < announced:
+        raise InputError(
+            f"Expected the {announced} triangles that the header of {file.name} announces, but the"
+            f" file ends after {present}; it was cut off, so copy or export it again."
+        )
+
+
 def _read(file: Path) -> tuple[Any, Any]:
     try:
         # trimesh's own processing would drop vertices that are NaN without a word
         scene = trimesh.load_scene(file, process=False)
         mesh = scene.to_mesh() if scene.geometry else None
+    except ImportError as error:
+        raise InputError(missing_reader(file)) from error
     except Exception as error:
         # every reader of every format raises its own kinds; all mean the same to the user
         reason = " ".join(str(error).split())[:80] or type(error).__name__

@@ -56,6 +56,11 @@ def is_force_closure(
     bool
         False also for too few contacts and for none.
 
+    Raises
+    ------
+    InputError
+        For arguments out of their range; see `Contacts`.
+
     Notes
     -----
     Decided by the expanding polytope of `epsilon`, which stops as soon as it holds the origin or
@@ -81,8 +86,22 @@ def is_force_closure(
 def is_form_closure(points: ArrayLike, normals: ArrayLike) -> bool:
     """Whether the contacts hold the object without any friction (first-order form closure).
 
-    Needs at least four contacts in the plane and seven in space. Parameters and tolerance as in
-    `is_force_closure`.
+    Needs at least four contacts in the plane and seven in space.
+
+    Parameters
+    ----------
+    points, normals : array-like, shape (n, 3) or (n, 2)
+        As in `is_force_closure` [m], [1]; the tolerance is the same, too.
+
+    Returns
+    -------
+    bool
+        False also for too few contacts.
+
+    Raises
+    ------
+    InputError
+        See `Contacts`.
 
     Examples
     --------
@@ -126,6 +145,17 @@ def closure_margin(wrenches: ArrayLike) -> float:
     -------
     float
         Margin [1], at most 1 / number of wrenches.
+
+    Raises
+    ------
+    InputError
+        If the wrenches are not finite numbers of one of these shapes.
+
+    Examples
+    --------
+    >>> corners = np.array([[1.0, 0.0], [-0.5, 0.8], [-0.5, -0.8]])
+    >>> round(closure_margin(corners), 3), closure_margin(corners + [2.0, 0.0])
+    (0.333, 0.0)
     """
     rows = wrench_rows(wrenches)
     if len(rows) == 0 or np.linalg.matrix_rank(rows, tol=1e-9) < rows.shape[1]:
@@ -195,6 +225,11 @@ def critical_friction(
     -------
     CriticalFriction
         A float, see there for its outcome.
+
+    Raises
+    ------
+    InputError
+        For arguments out of their range; see `Contacts`.
 
     Examples
     --------

@@ -35,7 +35,8 @@ class Epsilon:
     converged : bool
         False when the room for facets ran out first; the bounds hold all the same. That happens
         to exact cones on contacts of rotational symmetry, whose weakest directions form a whole
-        family, at tolerances below about 1e-3.
+        family, at tolerances below about 1e-3, and now and then to the "linf" space of more than
+        a hundred contacts, with bounds 0.5 % apart at most in trials with 200.
     """
 
     lower: float
@@ -104,7 +105,8 @@ def epsilon(
     tolerance : float
         How closely the bounds of exact cones meet, in units of the longest wrench [1]. Bounds of
         linearised cones meet within 1e-10 whatever is given (1e-9 in the worst case, where
-        facets lie in one plane almost but not quite); as a rule they agree to rounding.
+        facets lie in one plane almost but not quite) as long as the expansion converges; as a
+        rule they agree to rounding.
 
     Returns
     -------
@@ -190,6 +192,11 @@ def epsilon_many(
     -------
     EpsilonBatch
         Bounds per grasp.
+
+    Raises
+    ------
+    InputError
+        For arguments out of their range, and lists of points and normals that do not pair up.
 
     Examples
     --------

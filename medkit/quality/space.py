@@ -50,12 +50,16 @@ def wrench_rows(wrenches: ArrayLike) -> Floats:
         array = np.asarray(wrenches, dtype=float)
     except (TypeError, ValueError):
         array = np.array(np.nan)
-    if array.ndim not in (2, 3) or not np.isfinite(array).all():
-        raise InputError(
-            f"Expected wrenches of shape (n, m, D) or (n, D), but got {str(wrenches)[:40]};"
-            " pass finite numbers, such as Contacts.wrenches gives."
-        )
-    return array.reshape(-1, array.shape[-1])
+    rows = array.reshape(-1, array.shape[-1]) if array.ndim in (2, 3) else array
+    if rows.ndim == 2 and np.isfinite(rows).all():
+        return rows
+    came = f"got {f'shape {array.shape}' if array.ndim else ' '.join(str(wrenches).split())[:40]}"
+    if rows.ndim == 2:
+        came = f"row {int(np.flatnonzero(~np.isfinite(rows).all(axis=1))[0])} is not finite"
+    raise InputError(
+        f"Expected wrenches of shape (n, m, D) or (n, D), but {came}; pass finite numbers, such as"
+        " Contacts.wrenches gives."
+    )
 
 
 def wrench_space(

@@ -38,6 +38,12 @@ def volume(
         Volume in the six (planar: three) coordinates of ``[force, torque / torque_scale]``
         [N^6 or N^3]; 0.0 when the wrenches do not span the space.
 
+    Raises
+    ------
+    InputError
+        For arguments out of their range, and for ``edges=None``: round cones have no hull of
+        finitely many wrenches.
+
     Examples
     --------
     >>> round(volume([[-1.0, 0.0], [1.0, 0.0]], [[1.0, 0.0], [-1.0, 0.0]],

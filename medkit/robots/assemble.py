@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from medkit.errors import InputError
 from medkit.geometry import Floats
@@ -58,10 +59,12 @@ def _joint_order(document: Fields, parts: Parts) -> tuple[str, ...]:
         return tuple(driven)
     order = document.names("joint_order")
     for name in [*order, *driven]:
-        if name not in driven or order.count(name) != 1:
+        if name not in driven:
+            _index(document.inside({}, "joint_order"), "joint", name, driven)
+        if order.count(name) != 1:
             raise InputError(
                 f"Expected every driven joint once in joint_order of {document.place}, but"
-                f" {name!r} is not; {suggestion(name, driven)}"
+                f" {name!r} is listed {order.count(name)} times; list {', '.join(driven)}."
             )
     return tuple(order)
 
@@ -99,6 +102,11 @@ def _bodies(parts: Parts) -> tuple[LinkBody, ...]:
             bodies += [LinkBody(k, *convex_body(points)) for points in link.bodies]
         except InputError as error:
             raise InputError(f"The body of link {link.name!r} cannot be used: {error}") from error
+    if not bodies:
+        raise InputError(
+            "Expected at least one link with a body, but the hand has none; give its links"
+            " collision or visual geometry, or a 'body'."
+        )
     return tuple(bodies)
 
 
@@ -169,22 +177,15 @@ def _finger(
     if not names:
         raise InputError(f"Expected at least one joint for {fields.place}, but got none; name it.")
     joints = np.array([_index(fields, "joint", name, actuated) for name in names])
-    closing = np.ones(len(joints), dtype=np.int64)
-    if fields.has("closing"):
-        closing = np.asarray(fields.get("closing"))
-    if closing.shape != joints.shape or not np.all(np.isin(closing, (-1, 1))):
-        raise InputError(
-            f"Expected one +1 or -1 per joint for 'closing' in {fields.place}, but got"
-            f" {fields.get('closing')!r}."
-        )
     tip_link = _index(fields, "link", fields.text("tip_link"), parts.link_names)
+    _check_chain(fields, names, joints, tree, tip_link)
     moved = tuple(tree.links_moved_by(j) for j in joints)
     owners = np.array([body.link for body in bodies])
     tip_point = fields.vector("tip_point", fields.length)
     return Finger(
         name=fields.text("name"),
         joints=joints,
-        closing=closing.astype(np.int64),
+        closing=_closing(fields, len(joints)),
         moved_links=moved,
         moved_bodies=tuple(np.flatnonzero(np.isin(owners, links)) for links in moved),
         tip_link=tip_link,
@@ -192,6 +193,40 @@ def _finger(
         tip_normal=fields.unit_vector("tip_normal"),
         end_point=fields.vector("end_point", fields.length, default=tip_point),
     )
+
+
+def _closing(fields: Fields, count: int) -> NDArray[np.int64]:
+    signs = fields.get("closing") if fields.has("closing") else [1] * count
+    if (
+        not isinstance(signs, list)
+        or len(signs) != count
+        or any(isinstance(s, bool) or s not in (-1, 1) for s in signs)
+    ):
+        raise InputError(
+            f"Expected one +1 or -1 per joint for 'closing' in {fields.place}, but got {signs!r};"
+            f" give {count}, -1 where a falling value closes."
+        )
+    return np.array(signs, dtype=np.int64)
+
+
+def _check_chain(
+    fields: Fields, names: list[str], joints: NDArray[np.int64], tree: KinematicTree, tip_link: int
+) -> None:
+    """Refuse joints that do not move the tip, and an order other than from palm to tip."""
+    driven = [int(tree.coordinate[link]) for link in reversed(tree.ancestors(tip_link))]
+    for name, joint in zip(names, joints, strict=True):
+        if joint not in driven:
+            raise InputError(
+                f"Expected every joint in {fields.place} to move its tip link"
+                f" {fields.text('tip_link')!r}, but {name!r} does not; correct the joint or the"
+                " link."
+            )
+    inwards_first = sorted(set(names), key=lambda name: driven.index(joints[names.index(name)]))
+    if names != inwards_first:
+        raise InputError(
+            f"Expected the joints in {fields.place} once each and from palm to tip, but got"
+            f" {names}; write {inwards_first}."
+        )
 
 
 def _index(fields: Fields, what: str, name: str, known: Sequence[str]) -> int:
@@ -225,8 +260,19 @@ def _preshapes(
 def _opposition(document: Fields, fingers: Sequence[Finger]) -> Opposition:
     section = document.section("opposition").allow("thumb", "fingers")
     names = [finger.name for finger in fingers]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(
+                f"Expected finger names to differ in {document.place}, but got {name!r} twice;"
+                " rename one."
+            )
     thumb = _index(section, "finger", section.text("thumb"), names)
     others = tuple(_index(section, "finger", n, names) for n in section.names("fingers"))
+    if len(set(others)) < len(others):
+        raise InputError(
+            f"Expected each finger once in {section.place}, but got {section.names('fingers')};"
+            " leave out what is named twice."
+        )
     if not others or thumb in others:
         raise InputError(
             f"Expected the thumb and at least one other finger in {section.place}, but got"

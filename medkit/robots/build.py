@@ -55,6 +55,11 @@ def hand_from_file(path: Path, package_dirs: Sequence[Path] = ()) -> Hand:
         rename = {k: str(v) for k, v in document.section("rename").content.items()}
         path = path.parent / document.text("mirror_of")
         document = read_fields(path).allow(*KEYS)
+        if document.has("mirror_of"):
+            raise InputError(
+                f"Expected 'mirror_of' to name a hand that is described in full, but {path.name}"
+                " is a mirror image itself; name its original."
+            )
     parts = _couple(_read_parts(document, path.parent, package_dirs), document)
     hand = assemble(document, _limit(parts, document))
     hand = replace(hand, name=name, source=source)
@@ -127,7 +132,14 @@ def _limit(parts: Parts, document: Fields) -> Parts:
         joint = link.joint
         if joint is not None and section.has(joint.name):
             scale = section.angle if joint.kind == "revolute" else section.length
-            joint = replace(joint, limits=section.pair(joint.name) * scale)
+            narrow, given = section.pair(joint.name) * scale, joint.limits
+            if narrow[0] < given[0] - 1e-9 or narrow[1] > given[1] + 1e-9:
+                raise InputError(
+                    f"Expected limits of joint {joint.name!r} in {section.place} within those of"
+                    f" the URDF or table, {(given / scale).round(6).tolist()}, but got"
+                    f" {(narrow / scale).round(6).tolist()}; narrow them, or correct the URDF."
+                )
+            joint = replace(joint, limits=narrow)
         if joint is not None and not joint.limits[0] < joint.limits[1]:
             raise InputError(
                 f"Expected the lower limit of joint {joint.name!r} in {document.place} below the"

@@ -19,6 +19,11 @@ FOLDER = Path(__file__).parent / "hands"
 def hand_names() -> list[str]:
     """Names of the hands that medkit brings along.
 
+    Returns
+    -------
+    list of str
+        In the order of the alphabet; `load_hand` takes each of them.
+
     Examples
     --------
     >>> hand_names()

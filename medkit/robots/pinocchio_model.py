@@ -22,6 +22,12 @@ def pinocchio_model(hand: Hand) -> pin.Model:
     -------
     pinocchio.Model
         Every link is a frame of its own name. Masses are not known and left at zero.
+
+    Examples
+    --------
+    >>> from medkit.robots import load_hand
+    >>> pinocchio_model(load_hand("schunk")).nq  # 13 driven joints and 4 that follow
+    17
     """
     model = pin.Model()
     model.name = hand.name

@@ -11,6 +11,7 @@ import numpy as np
 
 from medkit.errors import InputError
 from medkit.geometry import Floats, transform, unit
+from medkit.meshes.loading import missing_reader
 from medkit.robots.parts import Coupling, Joint, Link, Parts, rpy_matrix
 from medkit.robots.shapes import cylinder_points, rounded_box, sphere_points
 
@@ -43,8 +44,9 @@ def parts_from_urdf(
         If the file is missing, is not a URDF, or names a mesh that cannot be found.
     """
     root = _read_xml(path)
-    elements = {link.get("name", ""): link for link in root.findall("link")}
     joints = root.findall("joint")
+    _refuse_twins(root, joints, path)
+    elements = {link.get("name", ""): link for link in root.findall("link")}
     children = {_end(joint, "child", elements, path): joint for joint in joints}
     roots = [name for name in elements if name not in children]
     if base is not None and base not in elements:
@@ -83,6 +85,28 @@ def _read_xml(path: Path) -> ET.Element:
             " file has to be expanded first."
         )
     return root
+
+
+def _refuse_twins(root: ET.Element, joints: list[ET.Element], path: Path) -> None:
+    """Refuse a file without links, names that come twice, and links with two parents."""
+    if root.find("link") is None:
+        raise InputError(f"Expected at least one link in {path.name}, but found none; add them.")
+    for tag in ("link", "joint"):
+        names = [element.get("name", "") for element in root.findall(tag)]
+        twice = [name for name in names if names.count(name) > 1]
+        if twice:
+            raise InputError(
+                f"Expected every {tag} of {path.name} to have a name of its own, but found"
+                f" {twice[0]!r} twice; rename one."
+            )
+    ends = [joint.find("child") for joint in joints]
+    below = [end.get("link", "") for end in ends if end is not None]
+    twice = [name for name in below if below.count(name) > 1]
+    if twice:
+        raise InputError(
+            f"Expected one parent for every link of {path.name}, but {twice[0]!r} is the child of"
+            " several joints; a hand is a tree, cut the loop."
+        )
 
 
 def _end(joint: ET.Element, tag: str, links: dict[str, ET.Element], path: Path) -> str:
@@ -139,6 +163,11 @@ def _joint(element: ET.Element, path: Path) -> Joint | None:
         )
     axis = element.find("axis")
     vector = np.array([1.0, 0.0, 0.0]) if axis is None else _numbers(axis, "xyz", "1 0 0", path)
+    if not vector.any():
+        raise InputError(
+            f"Expected a direction as axis of joint {name!r} in {path.name}, but got zeros; correct"
+            " the URDF."
+        )
     limit = element.find("limit")
     bounds = np.array([-np.pi, np.pi])
     if kind != "continuous":
@@ -185,6 +214,16 @@ def _numbers(element: ET.Element, key: str, default: str, path: Path, count: int
     return array
 
 
+def _sizes(element: ET.Element, key: str, default: str, path: Path, count: int) -> Floats:
+    sizes = _numbers(element, key, default, path, count)
+    if (sizes <= 0.0).any():
+        raise InputError(
+            f"Expected numbers above zero for {key!r} of <{element.tag}> in {path.name}, but got"
+            f" {element.get(key, default)!r}; correct the URDF."
+        )
+    return sizes
+
+
 def _body(shape: ET.Element, path: Path, package_dirs: Sequence[Path]) -> Floats:
     geometry = shape.find("geometry")
     kinds = [] if geometry is None else list(geometry)
@@ -198,14 +237,13 @@ def _body(shape: ET.Element, path: Path, package_dirs: Sequence[Path]) -> Floats
 
 def _geometry_points(element: ET.Element, path: Path, package_dirs: Sequence[Path]) -> Floats:
     if element.tag == "box":
-        half = 0.5 * _numbers(element, "size", "", path)
+        half = 0.5 * _sizes(element, "size", "", path, 3)
         return rounded_box(-half, half)
     if element.tag == "sphere":
-        return sphere_points(np.zeros(3), _number(element, "radius", "0", path))
+        return sphere_points(np.zeros(3), float(_sizes(element, "radius", "0", path, 1)[0]))
     if element.tag == "cylinder":
-        return cylinder_points(
-            _number(element, "radius", "0", path), _number(element, "length", "0", path)
-        )
+        radius, length = (_sizes(element, key, "0", path, 1)[0] for key in ("radius", "length"))
+        return cylinder_points(float(radius), float(length))
     if element.tag == "mesh":
         return _mesh_points(element, path, package_dirs)
     raise InputError(
@@ -220,6 +258,8 @@ def _mesh_points(element: ET.Element, path: Path, package_dirs: Sequence[Path]) 
     file = resolve(name, path.parent, package_dirs)
     try:
         mesh = trimesh.load_mesh(file)
+    except ImportError as error:
+        raise InputError(missing_reader(file)) from error
     except Exception as error:  # the loaders of the many formats raise whatever they like
         raise InputError(
             f"Expected a mesh in {name} of {path.name}, but reading failed: {error}."
@@ -235,7 +275,8 @@ def resolve(name: str, folder: Path, package_dirs: Sequence[Path]) -> Path:
     scheme, _, rest = name.rpartition("://")
     if scheme == "package":
         places = [*package_dirs, *map(Path, os.environ.get("ROS_PACKAGE_PATH", "").split(":"))]
-        candidates = [place / rest for place in places if str(place) != "."]
+        # some files write package:///name: an absolute path would forget the folder
+        candidates = [place / rest.lstrip("/") for place in places if str(place) != "."]
     else:
         candidates = [folder / rest]
     for candidate in candidates:

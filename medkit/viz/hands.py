@@ -114,5 +114,6 @@ def plot_hand_directions(hand: Hand, *, ax: Any, length: float = 0.08) -> Any:
         (hand.closing_axis, "--", "closing axis"),
     ):
         ax.quiver(*start, *(length * vector), color=BLUE, linestyle=style, label=label)
-    ax.plot(*start[:, None], "o", color=BLUE, label="grasp point")
+    # above every body: the dot lies on the palm, where a finger would hide it
+    ax.plot(*start[:, None], "o", color=BLUE, mec="white", ms=9, zorder=1000, label="grasp point")
     return ax

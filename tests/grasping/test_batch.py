@@ -1,10 +1,14 @@
 """Laws of the batch: resumed, serial and distributed runs write the same grasps."""
 
+from dataclasses import replace
+
+import dask
 import distributed
 import numpy as np
 import pytest
 import trimesh
 
+from medkit.datasets import load_folder
 from medkit.errors import InputError
 from medkit.grasping.batch import plan_many
 from medkit.grasping.grasp_file import read_grasps
@@ -67,6 +71,15 @@ def test_an_argument_that_differs_or_is_left_out_is_planned_anew(tmp_path, first
     assert planned == ["ball", "ball"]
 
 
+def test_a_hand_that_was_changed_under_its_name_is_planned_anew(tmp_path):
+    planned, ball = [], {"ball": OBJECTS["ball"]}
+    frame = HAND.T_hand_power.copy()
+    frame[2, 3] -= 0.005
+    for hand in (HAND, replace(HAND, T_hand_power=frame), replace(HAND, T_hand_power=frame)):
+        plan_many(ball, hand, tmp_path, done=lambda name, _: planned.append(name), **ASK)
+    assert planned == ["ball", "ball"]
+
+
 def test_the_order_of_the_objects_does_not_matter(tmp_path, serial):
     assert same(serial, poses(plan_many(dict(reversed(OBJECTS.items())), HAND, tmp_path, **ASK)))
 
@@ -125,3 +138,36 @@ def test_bad_folders_and_names_are_refused(tmp_path):
         plan_many(OBJECTS, HAND, tmp_path / "nowhere", **ASK)
     with pytest.raises(InputError, match="file names"):
         plan_many({"a/b": OBJECTS["ball"]}, HAND, tmp_path, **ASK)
+
+
+@pytest.mark.parametrize(
+    ("objects", "more", "words"),
+    [
+        (OBJECTS, {"workers": -1}, "workers to be a whole number of at least 0"),
+        (OBJECTS, {"workers": "two"}, "workers to be a whole number"),
+        (OBJECTS, {"seed": -1}, "seed to be a whole number of at least 0"),
+        (OBJECTS, {"seed": 1.5}, "seed to be a whole number"),
+        (OBJECTS, {"scheduler": 5}, "address of a dask scheduler"),
+        (OBJECTS, {"scheduler": "nobody"}, "dask scheduler at 'nobody'.*tcp://"),
+        (OBJECTS, {"scheduler": "tcp://127.0.0.1:9"}, "dask scheduler at 'tcp://127.0.0.1:9'"),
+        (["ball"], {}, "names with their meshes"),
+        ({"ball": None}, {}, "mesh of 'ball'"),
+        (None, {}, "names with their meshes"),
+        ([("ball", OBJECTS["ball"]), ("ball", OBJECTS["box"])], {}, "'ball' comes twice"),
+    ],
+)
+def test_what_cannot_be_a_batch_is_refused_before_any_work(tmp_path, objects, more, words):
+    with (
+        dask.config.set({"distributed.comm.timeouts.connect": "1s"}),
+        pytest.raises(InputError, match=words) as caught,
+    ):
+        plan_many(objects, HAND, tmp_path, **ASK | more)
+    assert "\n" not in str(caught.value)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_broken_file_in_a_folder_is_named_by_its_own_sentence(tmp_path):
+    OBJECTS["ball"].export(tmp_path / "a.stl")
+    (tmp_path / "b.stl").write_text("no mesh")
+    with pytest.raises(InputError, match=r"triangle in b\.stl"):
+        plan_many(load_folder(tmp_path), HAND, tmp_path, **ASK)

@@ -129,6 +129,9 @@ def test_a_finished_object_is_taken_from_the_cache(tmp_path, monkeypatch):
     pd.testing.assert_frame_equal(run_experiment({"bar": BAR}, HAND, SETTINGS[:1], **ask), first)
     with pytest.raises(AssertionError, match="again"):
         run_experiment({"bar": BAR}, HAND, SETTINGS[:1], candidates_per_object=4)
+    turned = dataclasses.replace(HAND, closing_axis=-HAND.closing_axis)
+    with pytest.raises(AssertionError, match="again"):
+        run_experiment({"bar": BAR}, turned, SETTINGS[:1], **ask)
 
 
 def test_the_same_seed_gives_the_same_counts():

@@ -99,6 +99,9 @@ def test_sliding_joints_go_out_in_millimetres_and_come_back_in_metres(tmp_path):
         (lambda text: text.replace('quality="', 'quality="x'), "number as 'quality' of 'Grasp 0'"),
         (lambda text: text.replace('value="', 'value="nan'), "number as 'value' of 'Index R J0'"),
         (lambda text: text.replace('c4="1.0"', 'c4="nan"'), "4 x 4 transform in 'Grasp 0'"),
+        (lambda text: text.replace('c4="1.0"', 'c4="0.0"'), "no rotation and translation"),
+        (lambda text: text.replace('unit="radian"', 'unit="furlong"'), "got 'furlong'"),
+        (lambda text: text.replace("<Node name=", "<Node title="), "to name its joint"),
     ],
 )
 def test_broken_files_are_explained(tmp_path, edit, words):

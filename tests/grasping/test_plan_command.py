@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 
 import numpy as np
 import pytest
 import trimesh
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from medkit.cli import main
 from medkit.errors import InputError
 from medkit.grasping import grasp_document, plan_power_grasps, read_grasps, write_grasps
 from medkit.grasping.export_xml import read_grasps_xml
 from medkit.grasping.grasp_file import grasps_from_document
+from medkit.grasping.grasp_set import GraspSet
 from medkit.robots import load_hand
 
 #: Two sliding bars on a third: the shortest description of a hand on top of a URDF.
@@ -72,13 +76,71 @@ def test_counts_add_up(found):
         (lambda d: d["grasps"][0].update(approach=[1.0, 2.0]), "approach"),
         (lambda d: d["grasps"][1].update(joints={}), "joints"),
         (lambda d: d["grasps"][0].update(epsilon=float("nan")), "epsilon"),
+        (lambda d: d["grasps"][0].update(epsilon=-0.1), "epsilon"),
+        (lambda d: d["object"].update(repairs=None), "repairs"),
+        (lambda d: d["object"].update(repairs="turned outwards"), "repairs"),
+        (lambda d: d["object"].update(scale="small"), "scale"),
+        (lambda d: d["object"].update(scale=0.0), "scale"),
+        (lambda d: d["counts"].update(candidates_found="many"), "candidates_found"),
+        (lambda d: d["counts"].update(sphere_fates=[1]), "sphere_fates"),
+        (lambda d: d["counts"].update(sphere_fates={"axis": "many"}), "sphere_fates"),
+        (lambda d: d["timing_s"].update(total="long"), "timing_s"),
+        (lambda d: d.update(seed="zero"), "seed"),
+        (lambda d: d["grasps"][0]["joints"].update({"Thumb R J0": "bent"}), "Thumb R J0"),
+        (lambda d: d["grasps"][0]["joints"].update({"Thumb R J0": float("nan")}), "Thumb R J0"),
+        (lambda d: d["grasps"][0].update(joints=[1.0, 2.0]), "joints"),
+        (lambda d: d["grasps"].__setitem__(0, 5), "outcome"),
+        (lambda d: d["grasps"][0].update(pose=[[0.0] * 4] * 4), "pose"),
+        (lambda d: d["grasps"][0].update(pose=np.diag([-1.0, 1.0, 1.0, 1.0]).tolist()), "pose"),
+        (lambda d: d["grasps"][0].update(approach=[2.0, 0.0, 0.0]), "approach"),
+        (lambda d: d["grasps"][0].update(sphere_radius=-1.0), "sphere_radius"),
+        (
+            lambda d: d["grasps"][0].update(
+                contacts=[{"point": [0.0] * 3, "normal": [2.0, 0.0, 0.0], "link": "a"}]
+            ),
+            "normal",
+        ),
     ],
 )
 def test_broken_documents_are_refused_by_name(found, change, message):
     document = json.loads(json.dumps(grasp_document(found)))
     change(document)
-    with pytest.raises(InputError, match=message):
+    with pytest.raises(InputError, match=message) as caught:
         grasps_from_document(document)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_file_nested_without_end_is_refused(tmp_path):
+    path = tmp_path / "grasps.json"
+    path.write_text("[" * 100_000)
+    with pytest.raises(InputError, match="Expected JSON"):
+        read_grasps(path)
+    with pytest.raises(InputError, match="path of a grasp file"):
+        read_grasps(None)
+
+
+@given(
+    st.recursive(
+        st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=4),
+        lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(), inner, max_size=3),
+        max_leaves=5,
+    ),
+    st.data(),
+)
+@settings(max_examples=300, derandomize=True, deadline=None)
+def test_whatever_stands_in_a_place_it_is_read_or_refused_but_never_breaks(found, junk, data):
+    document = json.loads(json.dumps(grasp_document(found)))
+    place = document
+    while True:
+        keys = sorted(place) if isinstance(place, dict) else range(len(place))
+        key = data.draw(st.sampled_from(keys))
+        inner = place[key]
+        if not (isinstance(inner, dict | list) and inner) or data.draw(st.booleans()):
+            break
+        place = inner
+    place[key] = junk
+    with contextlib.suppress(InputError):
+        assert isinstance(grasps_from_document(document), GraspSet)
 
 
 def test_two_processes_give_the_same_file(bar, tmp_path):
@@ -118,6 +180,12 @@ def test_an_output_folder_that_is_missing_is_refused_before_any_work(bar, tmp_pa
     assert main(["plan", bar, "--out", str(missing)]) == 2
     assert "folder" in capsys.readouterr().err
     assert not missing.parent.exists()
+
+
+@pytest.mark.parametrize("option", ["--out", "--xml", "--html", "--glb"])
+def test_an_empty_file_name_is_no_wish_for_no_file(bar, option, capsys):
+    assert main(["plan", bar, option, ""]) == 2
+    assert "Expected a file name for the output" in capsys.readouterr().err
 
 
 def test_two_outputs_in_one_file_are_refused(bar, tmp_path, capsys):

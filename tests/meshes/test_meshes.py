@@ -183,11 +183,34 @@ def test_mass_properties_of_a_box():
     assert mass.torque_scale == pytest.approx(0.1 * np.sqrt(3.0))
 
 
+@pytest.mark.parametrize("share", [0.3, 0.5, 0.99])
+def test_a_file_that_was_cut_off_is_said_to_be_cut_off(tmp_path, share):
+    path = tmp_path / "cut.stl"
+    ball().export(path)
+    path.write_bytes(path.read_bytes()[: int(share * path.stat().st_size)])
+    with pytest.raises(InputError, match=r"1280 triangles.*ends after \d+.*copy or export"):
+        load_mesh(path)
+
+
 @pytest.mark.parametrize("ending", ["stl", "obj", "off", "ply", "glb"])
 def test_every_format_gives_the_same_body(tmp_path, ending):
     box().export(tmp_path / f"box.{ending}")
     body = repair_mesh(load_mesh(tmp_path / f"box.{ending}", scale=2.0))
     assert body.mesh.volume == pytest.approx(8.0 * box().volume, rel=1e-5)
+
+
+@pytest.mark.parametrize(("ending", "package"), [("3mf", "lxml"), ("dae", "pycollada")])
+def test_a_format_whose_reader_is_not_installed_names_the_package(
+    tmp_path, monkeypatch, ending, package
+):
+    def missing(*_args, **_options):
+        raise ImportError(package)
+
+    monkeypatch.setattr(trimesh, "load_scene", missing)
+    path = tmp_path / f"thing.{ending}"
+    path.write_text("whole")
+    with pytest.raises(InputError, match=f"pip install {package}, or convert"):
+        load_mesh(path)
 
 
 def test_files_that_are_no_meshes(tmp_path):

@@ -186,3 +186,32 @@ def test_volume_of_flat_wrench_spaces_is_zero():
     here = {"friction": 0.5, "torque_origin": np.zeros(3), "torque_scale": 1.0}
     assert volume(-facing, facing, **here) == 0.0
     assert volume(np.zeros((0, 3)), np.zeros((0, 3)), **here) == 0.0
+
+
+@pytest.mark.parametrize("contact", ["point", "soft"])
+def test_round_cones_have_no_primitive_wrenches_so_their_volume_is_refused(contact):
+    facing = np.vstack([np.eye(3), -np.eye(3)])
+    here = {"friction": 0.5, "torque_origin": np.zeros(3), "torque_scale": 1.0, "contact": contact}
+    with pytest.raises(InputError, match="whole number of three or more, but got None"):
+        volume(-facing, facing, **here, edges=None)
+    with pytest.raises(InputError, match="but got None"):
+        Contacts(-facing, facing, 0.5).cone_edges(torque_origin=np.zeros(3), edges=None)
+
+
+def test_cones_that_need_no_edges_are_not_asked_for_them():
+    planar = volume(
+        [[-1.0, 0.0], [1.0, 0.0]], [[1.0, 0.0], [-1.0, 0.0]],
+        friction=1.0, torque_origin=[0.0, 0.0], torque_scale=1.0, edges=None,
+    )  # fmt: skip
+    assert planar == pytest.approx(8.0 / 3.0)
+    points, inward = np.random.default_rng(0).normal(size=(2, 12, 3))
+    inward /= np.linalg.norm(inward, axis=1)[:, None]
+    here = {"friction": 0.5, "torque_origin": np.zeros(3), "torque_scale": 1.0}
+    exact = volume(points, inward, **here, contact="frictionless", edges=None)
+    assert exact == volume(points, inward, **here, contact="frictionless") > 0.0
+
+
+def test_numbers_that_are_not_finite_are_refused_in_one_line():
+    with pytest.raises(InputError, match="row 1 is not finite") as caught:
+        closure_margin([[1.0, 0.0, 0.0], [0.0, np.nan, 0.0]] * 5)
+    assert "\n" not in str(caught.value)

@@ -1,5 +1,6 @@
 """Hands of the user's own: a URDF with a short YAML, and every mistake in them."""
 
+import re
 import shutil
 from pathlib import Path
 
@@ -121,6 +122,23 @@ MISTAKES = {
     "no such urdf": (set_key("urdf", "three_finger.urdf"), "Expected a URDF at .*No such file"),
     "no such base": (set_key("base", "plam"), "Expected the base link to be one of"),
     "no such package": (set_key("package", "no_such_package"), "to be installed"),
+    "ragged closing": (set_finger("closing", [[1], 1]), "one .1 or -1 per joint"),
+    "joint twice": (
+        set_finger("joints", ["left_knuckle", "left_knuckle"]),
+        r"palm to tip.*write \['left_knuckle'\]",
+    ),
+    "joint of another finger": (set_finger("joints", ["slider"]), "move its tip link 'left_tip'"),
+    "tip link on the palm": (set_finger("tip_link", "palm"), "move its tip link 'palm'"),
+    "name twice": (set_finger("name", "right"), "finger names to differ.*'right' twice"),
+    "opponent twice": (
+        set_key("opposition", {"thumb": "left", "fingers": ["right", "right"]}),
+        "each finger once",
+    ),
+    "wider limits": (set_key("limits", {"slider": [0.0, 0.5]}), "within those of"),
+    "joint order": (
+        set_key("joint_order", ["slider"]),
+        "'left_knuckle' is listed 0 times; list .*left_knuckle, slider",
+    ),
 }
 
 
@@ -141,6 +159,35 @@ URDF_MISTAKES = {
     "no mesh": (lambda text: text.replace("finger.stl", "f.stl"), "Expected to find the mesh"),
     "no number": (lambda text: text.replace('upper="1.2"', 'upper="wide"'), "'wide'"),
     "no size": (lambda text: text.replace('size="0.10 0.06 0.04"', ""), "three numbers for 'size'"),
+    "link twice": (
+        lambda text: text.replace("</robot>", '<link name="palm"/></robot>'),
+        "'palm' twice",
+    ),
+    "joint twice": (
+        lambda text: text.replace('name="left_tip_joint"', 'name="slider"'),
+        "'slider' twice",
+    ),
+    "two parents": (
+        lambda text: text.replace('child link="right_tip"', 'child link="left_tip"'),
+        "one parent for every link.*'left_tip'",
+    ),
+    "no links": (lambda _: '<robot name="none"/>', "at least one link"),
+    "no axis": (
+        lambda text: text.replace('axis xyz="0 0 1"', 'axis xyz="0 0 0"'),
+        "axis of joint 'slider'",
+    ),
+    "turned-over box": (
+        lambda text: text.replace('size="0.10', 'size="-0.10'),
+        "above zero.*'size' of <box>",
+    ),
+    "no radius": (
+        lambda text: text.replace('radius="0.008"', 'radius="0"'),
+        "above zero.*'radius' of <sphere>",
+    ),
+    "no bodies": (
+        lambda text: re.sub(r"<(collision|visual)>.*?</\1>", "", text, flags=re.DOTALL),
+        "at least one link with a body",
+    ),
     "flat limits": (lambda text: text.replace('upper="0.02"', 'upper="0"'), "lower limit .*slider"),
 }
 
@@ -166,6 +213,42 @@ def test_what_is_no_description_is_refused(tmp_path, text, words):
         load_hand(tmp_path / "none.yaml")
     with pytest.raises(InputError, match="names this file under 'urdf'"):
         load_hand(DATA / "two_finger.urdf")
+
+
+def test_joints_are_listed_from_palm_to_tip(tmp_path):
+    document = yaml.safe_load((DATA / "two_finger.yaml").read_text())
+    for key in ("urdf", "package_dirs"):
+        document.pop(key)
+    turn = {"type": "revolute", "axis": [0, 1, 0], "limits": [0, 1]}
+    ball = [{"spheres": [[0, 0, 0, 0.01], [0, 0, 0.02, 0.01]]}]
+    document["links"] = [
+        {"name": "left_tip", "joint": turn | {"name": "slider"}, "body": ball},
+        {"name": "middle", "joint": turn | {"name": "first"}, "body": ball},
+        {"name": "right_tip", "parent": "middle", "joint": turn | {"name": "second"}, "body": ball},
+    ]
+    document["fingers"][0]["joints"] = ["slider"]
+    path = tmp_path / "hand.yaml"
+    document["fingers"][1]["joints"] = ["first", "second"]
+    path.write_text(yaml.safe_dump(document))
+    assert len(load_hand(path).fingers[1].joints) == 2
+    document["fingers"][1]["joints"] = ["second", "first"]
+    path.write_text(yaml.safe_dump(document))
+    with pytest.raises(InputError, match=r"palm to tip.*write \['first', 'second'\]"):
+        load_hand(path)
+
+
+def test_a_key_given_twice_is_refused_instead_of_the_first_being_forgotten(tmp_path):
+    path = changed(tmp_path, lambda document: None)
+    path.write_text(path.read_text() + "\nname: again\n")
+    with pytest.raises(InputError, match="'name' is given twice"):
+        load_hand(path)
+
+
+def test_the_original_of_a_mirrored_hand_is_no_mirror_image_itself(tmp_path):
+    path = tmp_path / "mirrored.yaml"
+    path.write_text("schema: medkit.hand/1\nname: two\nmirror_of: mirrored.yaml")
+    with pytest.raises(InputError, match="mirror image itself"):
+        load_hand(path)
 
 
 INLINE_MISTAKES = {
@@ -205,7 +288,7 @@ def test_the_check_finds_what_loads_but_cannot_work(tmp_path):
     assert finding(backwards, "closing")
     slanted = load_hand(changed(tmp_path, set_key("closing_axis", [0, 0, 1])))
     assert finding(slanted, "directions")
-    degrees = load_hand(changed(tmp_path, set_key("limits", {"left_knuckle": [-20, 70]})))
+    degrees = load_hand(changed(tmp_path, lambda d: None, lambda t: t.replace('"1.2"', '"70"')))
     assert finding(degrees, "limits")
     huge = load_hand(changed(tmp_path, set_key("sphere_radius", {"min": 5, "max": 35})))
     assert finding(huge, "ball size")
