@@ -4,8 +4,8 @@ Four changes, each for a reason that holds for every object and hand: the finger
 straddle the two touch points of a sphere; a candidate is dropped before any closing where palm or
 fingers would stand in the object, or where the sphere is a detail of a thicker part; candidates are
 drawn one by one instead of sphere by sphere; and each is tried in a few ways, the published one
-first. The last is a local search: one candidate of this planner costs four or five closings of the
-published one.
+first, and beside it where none of them holds. The last is a local search (see `local_search`): one
+candidate of this planner costs about five closings of the published one.
 """
 
 from __future__ import annotations

@@ -44,11 +44,17 @@ class SearchingTester:
         What tests one of them: `PowerTester` or `PrecisionTester`.
     room : float
         Largest radius that the hand encloses [m].
+
+    Attributes
+    ----------
+    closings : int
+        How often the hand was closed so far, over all candidates.
     """
 
     def __init__(self, tester: Any, room: float) -> None:
         self.tester = tester
         self.room = room
+        self.closings = 0
         self.power = isinstance(tester, PowerTester)
         self.other = _fingers_reversed(tester) if self.power else _wider_open(tester)
         self._finger_of = tester.closer.hand.finger_of_link()
@@ -87,8 +93,8 @@ class SearchingTester:
             best, spent = max(best, grasp, key=_epsilon), spent + more
         return replace(best, grasp_point=point), spent
 
-    @staticmethod
-    def _tested(way: Try, radius: float) -> tuple[Grasp, float]:
+    def _tested(self, way: Try, radius: float) -> tuple[Grasp, float]:
+        self.closings += 1
         tested: tuple[Grasp, float] = way.tester.test(*way[1:], radius)
         return tested
 
