@@ -12,6 +12,7 @@ import trimesh
 from medkit import datasets, grasping, handover, medial, planar, quality, similarity
 from medkit.errors import InputError
 from medkit.geometry import expected, points_array
+from medkit.grasping import baselines, experiments, robustness
 from medkit.grasping.batch import plan_many
 from medkit.grasping.strategies import CANDIDATE_SOURCES
 from medkit.robots import load_hand
@@ -25,6 +26,15 @@ SQUARE = [[0.0, 0.0], [0.1, 0.0], [0.1, 0.1], [0.0, 0.1]]
 def plan(mesh=BOX, hand=HAND, **options):
     options = {"rng": np.random.default_rng(0), "max_candidates": 2} | options
     return grasping.plan_grasps(mesh, hand, **options)
+
+
+BENCH = experiments.ObjectBench(BOX, HAND)
+NORMALS = experiments.Setting("normals", "power")
+
+
+def run_objects(objects=None, settings=(NORMALS,), **options):
+    options = {"candidates_per_object": 2, "cache": False} | options
+    return experiments.run_experiment(objects or {"box": BOX}, HAND, settings, **options)
 
 
 def turned(mesh):
@@ -81,6 +91,40 @@ MISTAKES = {
         lambda: handover.claims(handover.load_trials(), rng=0), "int 0", "default_rng"),
     "a number for a hand": (lambda: load_hand(3), "int 3", "armar3"),
     "a hand for its name": (lambda: load_hand(HAND), "medkit.robots.Hand", "armar3"),
+    "a name for the normals": (
+        lambda: baselines.surface_normal_candidates("mug"), "'mug'", "load_mesh"),
+    "no triangle for the normals": (
+        lambda: baselines.surface_normal_candidates(trimesh.Trimesh()), "no triangle", "load_mesh"),
+    "a word for candidates": (
+        lambda: baselines.surface_normal_candidates(BOX, candidates="a"), "'a'", "candidates"),
+    "half a roll": (
+        lambda: baselines.surface_normal_candidates(BOX, rolls=0.5), "0.5", "rolls"),
+    "no mesh for the boxes": (lambda: baselines.fitted_box_candidates(None), "None", "load_mesh"),
+    "no rolls for the boxes": (
+        lambda: baselines.fitted_box_candidates(BOX, rolls=0), "0", "rolls"),
+    "no mesh for a bench": (lambda: experiments.ObjectBench(None, HAND), "None", "load_mesh"),
+    "a slippery bench": (
+        lambda: experiments.ObjectBench(BOX, HAND, friction=-1.0), "-1", "not negative"),
+    "a seed for the errors": (
+        lambda: robustness.yields_under_errors(BENCH, NORMALS, most=2, rng=0), "int 0",
+        "default_rng"),
+    "a turn below zero": (
+        lambda: robustness.yields_under_errors(
+            BENCH, NORMALS, most=2, turns=[-1.0], rng=np.random.default_rng(0)),
+        "-1", "not negative"),
+    "a word for a setting": (lambda: run_objects(settings=["normals"]), "'normals'", "Setting"),
+    "no settings": (lambda: run_objects(settings=[]), "none", "Setting"),
+    "a seed below zero": (lambda: run_objects(seed=-1), "-1", "seed"),
+    "no processes": (lambda: run_objects(jobs=0), "0", "jobs"),
+    "names without meshes": (
+        lambda: run_objects(objects=["mug"]), "'mug'", "load_folder"),
+    "a word for a joint": (
+        lambda: HAND.coordinates({"left finger": "open"}), "'open'", "number"),
+    "an unknown preshape": (lambda: HAND.coordinates({}, preshape="fist"), "'fist'", "power"),
+    "words for joints": (lambda: HAND.fingertips("open"), "'open'", "joint_names"),
+    "many poses for one": (
+        lambda: HAND.link_meshes(np.zeros((3, 2))), "(3, 2)", "one configuration"),
+    "too few joints": (lambda: HAND.joint_values([0.01]), "(1,)", "joint_names"),
     "ragged points": (lambda: points_array([[0, 1], [2]], 2), "numbers", "row"),
 }  # fmt: skip
 

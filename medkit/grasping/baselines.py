@@ -12,8 +12,9 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from medkit.arguments import whole
 from medkit.errors import InputError
-from medkit.geometry import Floats, perpendicular, positive
+from medkit.geometry import Floats, expected, perpendicular, positive
 from medkit.grasping.candidate_set import CandidateGrasps
 from medkit.medial.surface import sample_surface
 from medkit.robots.hand import Hand
@@ -55,7 +56,7 @@ def surface_normal_candidates(
     Raises
     ------
     InputError
-        If fewer than one candidate or roll is asked for.
+        If there is no mesh, or fewer than one candidate or roll is asked for.
 
     Examples
     --------
@@ -63,11 +64,8 @@ def surface_normal_candidates(
     >>> len(found), np.unique(np.abs(found.approach).round(6)).tolist()
     (96, [0.0, 1.0])
     """
-    if candidates < 1 or rolls < 1:
-        raise InputError(
-            f"Expected at least one candidate and one roll, but got {candidates} and {rolls};"
-            " give larger numbers."
-        )
+    refuse_empty(mesh)
+    candidates, rolls = whole(candidates, "candidates"), whole(rolls, "rolls")
     wanted = max(1.0, candidates / rolls)
     area = float(sum(np.prod(np.delete(mesh.extents, axis)) * 2.0 for axis in range(3)))
     spacing = float(np.sqrt(area / wanted))
@@ -78,6 +76,14 @@ def surface_normal_candidates(
         spacing *= float(np.clip(np.sqrt(max(len(points), 1) / (1.03 * wanted)), 0.5, 1.5))
         points, normals = _grid_hits(mesh, spacing)
     return _rolled(points, -normals, rolls, carried_axes(-normals))
+
+
+def refuse_empty(mesh: Any) -> None:
+    """Refuse what is no triangle mesh, and a mesh without triangles."""
+    remedy = "read one with medkit.meshes.load_mesh(path)"
+    expected(mesh, trimesh.Trimesh, "a triangle mesh", remedy)
+    if len(mesh.faces) == 0:
+        raise InputError(f"Expected a closed body, but the mesh holds no triangle; {remedy}.")
 
 
 def carried_axes(approach: Floats) -> Floats:
@@ -136,12 +142,19 @@ def fitted_box_candidates(
     CandidateGrasps
         Grasp points at the boxes' centres; no spheres, radius half the least box edge across.
 
+    Raises
+    ------
+    InputError
+        If there is no mesh, fewer than one roll is asked for, or the share is not above zero.
+
     Examples
     --------
     >>> found = fitted_box_candidates(trimesh.creation.cylinder(0.03, 0.2))
     >>> len(found) == 24, len(np.unique(found.grasp_point.round(4), axis=0))
     (True, 1)
     """
+    refuse_empty(mesh)
+    rolls = whole(rolls, "rolls")
     positive(split_share, "split_share")
     boxes = fitted_boxes(mesh, split_share=split_share)
     parts = []

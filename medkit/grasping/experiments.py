@@ -16,9 +16,10 @@ import numpy as np
 import pandas as pd
 import trimesh
 
+from medkit.arguments import short, whole
 from medkit.errors import InputError
 from medkit.files import cache_folder, write_text
-from medkit.geometry import Floats
+from medkit.geometry import Floats, expected, nonnegative
 from medkit.grasping.candidate_set import CandidateGrasps
 from medkit.grasping.candidates import candidates_from_axis
 from medkit.grasping.choosing import choose_candidates
@@ -42,8 +43,10 @@ from medkit.grasping.yields import mean_yields as mean_yields
 from medkit.grasping.yields import yield_table as yield_table
 from medkit.medial.axis import MedialAxis, medial_axis
 from medkit.meshes import mass_properties
+from medkit.meshes.usable import refuse_unusable
 from medkit.robots.digest import hand_digest
 from medkit.robots.hand import Hand
+from medkit.robots.library import usable_hand
 
 FRICTION = 0.5  # P13 5.1.3
 
@@ -61,11 +64,15 @@ class ObjectBench:
         Friction coefficient of hard point contacts [1].
     """
 
-    def __init__(self, mesh: trimesh.Trimesh, hand: Hand, *, friction: float = FRICTION) -> None:
+    def __init__(
+        self, mesh: trimesh.Trimesh, hand: Hand | str, *, friction: float = FRICTION
+    ) -> None:
+        refuse_unusable(mesh)
         body = mass_properties(mesh)
         self.mesh = mesh
-        self.hand = hand
-        self.quality = Quality(friction, body.center_mass, body.torque_scale)
+        self.hand = usable_hand(hand)
+        rough = nonnegative(friction, "friction")
+        self.quality = Quality(rough, body.center_mass, body.torque_scale)
         self._axis: MedialAxis | None = None
         self._testers: dict[str, Any] = {}
 
@@ -179,6 +186,8 @@ def run_object(
     >>> row["tested"], sum(row[name] for name in OUTCOMES)
     (4, 4)
     """
+    _check_settings(settings)
+    seed = whole(seed, "seed", 0)
     bench = ObjectBench(mesh, hand, friction=friction)
     rows = []
     for setting in settings:
@@ -245,9 +254,9 @@ def run_experiment(
     >>> table.object.tolist(), table.tested.tolist()
     (['20 mm', '30 mm'], [4, 4])
     """
-    pairs = list(objects.items() if isinstance(objects, Mapping) else objects)
-    if not pairs:
-        raise InputError("Expected at least one object, but got none; pass names and meshes.")
+    pairs = _named(objects)
+    _check_settings(settings)
+    hand, seed, jobs = usable_hand(hand), whole(seed, "seed", 0), whole(jobs, "jobs")
     asked = {"most": candidates_per_object, "seed": seed, "friction": friction}
     tasks = [(mesh.vertices, mesh.faces, hand, settings, asked, cache) for _, mesh in pairs]
     found = in_processes(_counted, tasks, jobs) if jobs > 1 else map(_counted, tasks)
@@ -257,6 +266,28 @@ def run_experiment(
         if progress is not None:
             progress(name)
     return pd.concat(frames, ignore_index=True)
+
+
+def _named(objects: Any) -> list[tuple[str, trimesh.Trimesh]]:
+    """Names and meshes as pairs, at least one."""
+    pairs = list(objects.items() if isinstance(objects, Mapping) else objects)
+    if not pairs:
+        raise InputError("Expected at least one object, but got none; pass names and meshes.")
+    for pair in pairs:
+        if not isinstance(pair, tuple | list) or len(pair) != 2:
+            raise InputError(
+                f"Expected names with their meshes, but got {short(pair)}; pass a dictionary, or"
+                " what load_folder gives."
+            )
+    return [(name, mesh) for name, mesh in pairs]
+
+
+def _check_settings(settings: Any) -> None:
+    if not settings:
+        raise InputError("Expected at least one setting, but got none; pass a list of Setting.")
+    for one in settings:
+        remedy = "pass Setting(planner, grasp, ...), or EXPERIMENTS[1].settings"
+        expected(one, Setting, "a setting", remedy)
 
 
 def _counted(task: tuple) -> list[dict[str, Any]]:

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 
+from medkit.arguments import generator
 from medkit.geometry import nonnegative, rotation_about, unit
 from medkit.grasping.candidate_set import CandidateGrasps
 from medkit.grasping.experiments import ObjectBench, Setting
@@ -116,6 +117,9 @@ def yields_under_errors(
     >>> table.tested.tolist(), bool((table.kept <= table.held_before).all())
     ([4, 4], True)
     """
+    generator(rng)
+    for turn in turns:
+        nonnegative(turn, "turn", " rad")
     chosen = bench.chosen(setting, most=most, rng=rng)
     tester = bench.tester(setting.grasp, setting.planner)
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from medkit.arguments import one_of, short
 from medkit.errors import InputError
 from medkit.geometry import Floats
 from medkit.robots.tree import PRISMATIC, REVOLUTE, KinematicTree
@@ -244,6 +245,10 @@ class Hand:
         import trimesh
 
         poses = self.link_poses(q)
+        if poses.ndim != 3:
+            raise InputError(
+                f"Expected q of one configuration, but got shape {np.shape(q)}; pass one row of it."
+            )
         parts: dict[str, list[trimesh.Trimesh]] = {}
         for body in self.bodies:
             mesh = trimesh.Trimesh(body.vertices, body.faces, process=False)
@@ -254,7 +259,13 @@ class Hand:
 
     def joint_values(self, q: ArrayLike) -> dict[str, float]:
         """Joint coordinates `q` (nq,) by name [rad or m]."""
-        return dict(zip(self.joint_names, np.asarray(q, dtype=float).tolist(), strict=True))
+        values = np.asarray(q, dtype=float)
+        if values.shape != (len(self.joint_names),):
+            raise InputError(
+                f"Expected q of shape ({len(self.joint_names)},), but got shape {values.shape};"
+                " pass one value per joint in the order of joint_names."
+            )
+        return dict(zip(self.joint_names, values.tolist(), strict=True))
 
     def coordinates(self, values: Mapping[str, float], preshape: str = "power") -> Floats:
         """Joint coordinates (nq,) from values by name; joints left out stay at the preshape.
@@ -274,14 +285,19 @@ class Hand:
         Raises
         ------
         InputError
-            If a joint is unknown.
+            If a joint or the preshape is unknown, or a value is no number.
         """
-        q = np.array(self.preshapes[preshape])
+        q = np.array(self.preshapes[one_of(preshape, self.preshapes, "a preshape")])
         for name, value in values.items():
             if name not in self.joint_names:
                 raise InputError(
                     f"Expected a joint of {self.name} ({', '.join(self.joint_names)}), but got"
                     f" {name!r}; use one of these names."
+                )
+            if not isinstance(value, int | float | np.number) or not np.isfinite(value):
+                raise InputError(
+                    f"Expected the value of {name!r} to be a finite number, but got {short(value)};"
+                    " give one [rad or m]."
                 )
             q[self.joint_names.index(name)] = value
         return q

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from medkit.arguments import short
 from medkit.errors import InputError
 from medkit.geometry import Floats
 from medkit.robots.kernels import FIXED, PRISMATIC, REVOLUTE, forward_kinematics_batch_kernel
@@ -82,7 +83,13 @@ class KinematicTree:
         InputError
             If `q` has another shape or is not finite.
         """
-        values = np.ascontiguousarray(q, dtype=float)
+        try:
+            values = np.ascontiguousarray(q, dtype=float)
+        except (TypeError, ValueError):
+            raise InputError(
+                f"Expected q as {self.coordinates} numbers, but got {short(q)}; pass one value per"
+                " joint in the order of joint_names."
+            ) from None
         if values.ndim not in (1, 2) or values.shape[-1] != self.coordinates:
             raise InputError(
                 f"Expected q of shape ({self.coordinates},) or (n, {self.coordinates}), but got"

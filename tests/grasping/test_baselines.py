@@ -98,7 +98,7 @@ def test_joining_keeps_every_candidate_and_its_place():
 
 
 def test_nothing_asked_for_is_refused():
-    with pytest.raises(InputError, match="at least one"):
+    with pytest.raises(InputError, match="at least 1"):
         surface_normal_candidates(BALL, candidates=0)
 
 
