@@ -198,8 +198,7 @@ def least_gap(arrays, poses, step, enough):
             if b in bodies:
                 continue
             for one, other in ((a, b), (b, a)):
-                groups = arrays.group_start[one : one + 2]
-                samples = arrays.samples[slice(*arrays.sample_start[groups])]
+                samples = arrays.surface.samples[slice(*arrays.surface.start[one : one + 2])]
                 into = np.linalg.inv(poses[arrays.body_link[other]])
                 into = into @ poses[arrays.body_link[one]]
                 points = samples @ into[:3, :3].T + into[:3, 3]

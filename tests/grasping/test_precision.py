@@ -9,6 +9,7 @@ from medkit.geometry import random_rotation, rotation_about
 from medkit.grasping.closing.object_field import object_field
 from medkit.grasping.closing.pad_kernels import close_pads
 from medkit.grasping.closing.self_kernels import SELF_DEPTH, least_gap
+from medkit.grasping.closing.sight_kernels import sight
 from medkit.grasping.planners import Quality
 from medkit.grasping.precision import PrecisionCloser, PrecisionTester
 from medkit.grasping.precision_grip import opposing_fingers, precision_grip
@@ -129,7 +130,7 @@ def test_a_hand_that_overlaps_itself_does_not_start(bar_closer):
 
     def gap(q):
         poses = np.ascontiguousarray(hand.link_poses(q)[None])
-        return least_gap(arrays, thumb, index, poses, 0.1, np.zeros((3, 4)))
+        return least_gap(arrays, thumb, index, poses, 0.1, sight())
 
     used = [int(joint) for finger in opposing[:2] for joint in finger.joints]
     rng = np.random.default_rng(0)

@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from medkit.grasping.closing.body_kernels import apart, clip_to_body, height_over, to_link
+from medkit.grasping.closing.body_kernels import apart, clip_to_body, to_link
 from medkit.grasping.closing.kernel_options import entry, inner
+from medkit.grasping.closing.sight_kernels import height_over
 from medkit.grasping.closing.tree_kernels import collect_faces
 
 #: Columns of a row: point (3), inward normal (3), body, gap, face, squared distance to the rows
