@@ -22,8 +22,8 @@ class ClipScratch(NamedTuple):
     """Scratch arrays of clipping one triangle."""
 
     local: np.ndarray
-    heights: np.ndarray
-    near: np.ndarray
+    low: np.ndarray
+    top: np.ndarray
     over: np.ndarray
     polygon: np.ndarray
     spare: np.ndarray
@@ -62,13 +62,13 @@ def workspace(field: Any, hand: Any) -> Workspace:
     return Workspace(
         clip=ClipScratch(
             local=np.zeros((3, 3)),
-            heights=np.zeros(planes),
-            near=np.zeros(planes + 1, dtype=np.int64),
+            low=np.zeros(planes),
+            top=np.zeros(planes),
             over=np.zeros(POLYGON),
             polygon=np.zeros((POLYGON, 3)),
             spare=np.zeros((POLYGON, 3)),
-            active=np.zeros(planes, dtype=np.int64),
-            cutting=np.zeros(planes, dtype=np.int64),
+            active=np.zeros(planes + 1, dtype=np.int64),
+            cutting=np.zeros(planes + 1, dtype=np.int64),
             active_count=np.zeros(1, dtype=np.int64),
         ),
         sight=sight(),
@@ -149,66 +149,39 @@ def clip_to_body(hulls: Any, body: int, margin: float, clip: Any) -> int:
     Returns the number of its corners, which are in ``clip.polygon``; 0 when triangle and body
     are apart. ``clip.active`` lists the planes that some corner is near or beyond.
     """
-    planes, local = hulls.planes, clip.local
     first, last = hulls.plane_start[body], hulls.plane_start[body + 1]
-    x = (local[0, 0] + local[1, 0] + local[2, 0]) / 3.0
-    y = (local[0, 1] + local[1, 1] + local[2, 1]) / 3.0
-    z = (local[0, 2] + local[1, 2] + local[2, 2]) / 3.0
-    radius = 0.0
-    for v in range(3):
-        d0, d1, d2 = local[v, 0] - x, local[v, 1] - y, local[v, 2] - z
-        radius = max(radius, d0 * d0 + d1 * d1 + d2 * d2)
-    radius = np.sqrt(radius)
-    near = _near_planes(hulls.columns, first, last, x, y, z, -NEAR_PLANE - radius, clip)
-    cut = active = 0
-    for e in range(near):
-        f = clip.near[e]
-        h0 = height_over(planes, f, local[0, 0], local[0, 1], local[0, 2])
-        h1 = height_over(planes, f, local[1, 0], local[1, 1], local[1, 2])
-        h2 = height_over(planes, f, local[2, 0], local[2, 1], local[2, 2])
-        top = max(h0, h1, h2)
-        if top <= -NEAR_PLANE:
-            continue
-        if min(h0, h1, h2) > margin:
-            return 0
-        clip.active[active] = f
-        active += 1
-        if top > margin:
-            clip.cutting[cut] = f
-            cut += 1
+    _span(hulls.columns, first, last, clip.local, clip.low, clip.top)
+    # without branches, since which planes matter is no pattern that the processor could learn
+    active, cut, apart = 0, 0, 0
+    for f in range(last - first):
+        clip.active[active] = clip.cutting[cut] = first + f
+        active += 1 if clip.top[f] > -NEAR_PLANE else 0
+        cut += 1 if clip.top[f] > margin else 0
+        apart += 1 if clip.low[f] > margin else 0
+    if apart > 0:
+        return 0
     clip.active_count[0] = active
     for v in range(3):
         for a in range(3):
-            clip.polygon[v, a] = local[v, a]
-    return _cut_polygon(planes, cut, margin, clip)
+            clip.polygon[v, a] = clip.local[v, a]
+    return _cut_polygon(hulls.planes, cut, margin, clip)
 
 
 @inner
-def _near_planes(
-    columns: np.ndarray,
-    first: int,
-    last: int,
-    x: float,
-    y: float,
-    z: float,
-    least: float,
-    clip: Any,
-) -> int:
-    """List in ``clip.near`` which planes ``columns[:, first:last]`` (4, p) a point is near to.
-
-    That is where its height is above `least`; returns how many. Without branches, since most
-    planes are far above all of a triangle, and which ones is no pattern.
-    """
-    heights, near = clip.heights, clip.near
+def _span(
+    columns: np.ndarray, first: int, last: int, local: np.ndarray, low: np.ndarray, top: np.ndarray
+) -> None:
+    """Heights of a triangle's ends over the planes ``columns[:, first:last]`` (4, p)."""
     nx, ny, nz = columns[0, first:last], columns[1, first:last], columns[2, first:last]
     d = columns[3, first:last]
+    ax, ay, az = local[0, 0], local[0, 1], local[0, 2]
+    bx, by, bz = local[1, 0], local[1, 1], local[1, 2]
+    cx, cy, cz = local[2, 0], local[2, 1], local[2, 2]
     for f in range(nx.shape[0]):
-        heights[f] = nx[f] * x + ny[f] * y + nz[f] * z - d[f]
-    count = 0
-    for f in range(nx.shape[0]):
-        near[count] = first + f
-        count += 1 if heights[f] > least else 0
-    return count
+        ha = nx[f] * ax + ny[f] * ay + nz[f] * az - d[f]
+        hb = nx[f] * bx + ny[f] * by + nz[f] * bz - d[f]
+        hc = nx[f] * cx + ny[f] * cy + nz[f] * cz - d[f]
+        low[f], top[f] = min(min(ha, hb), hc), max(max(ha, hb), hc)
 
 
 @inner
