@@ -152,14 +152,16 @@ def clip_to_body(hulls: Any, body: int, margin: float, clip: Any) -> int:
     first, last = hulls.plane_start[body], hulls.plane_start[body + 1]
     _span(hulls.columns, first, last, clip.local, clip.low, clip.top)
     # without branches, since which planes matter is no pattern that the processor could learn
-    active, cut, apart = 0, 0, 0
+    active, cut = 0, 0
     for f in range(last - first):
-        clip.active[active] = clip.cutting[cut] = first + f
+        clip.active[active] = f
         active += 1 if clip.top[f] > -NEAR_PLANE else 0
+    for e in range(active):
+        f = clip.active[e]
+        if clip.low[f] > margin:
+            return 0
+        clip.active[e] = clip.cutting[cut] = first + f
         cut += 1 if clip.top[f] > margin else 0
-        apart += 1 if clip.low[f] > margin else 0
-    if apart > 0:
-        return 0
     clip.active_count[0] = active
     for v in range(3):
         for a in range(3):
