@@ -8,12 +8,13 @@ import pytest
 import trimesh
 
 from medkit.geometry import random_rotation
-from medkit.grasping.closing import body_kernels, self_kernels, tree_kernels
+from medkit.grasping.closing import body_kernels, finger_kernels, self_kernels, tree_kernels
 from medkit.grasping.closing.chain_kernels import place_links
-from medkit.grasping.closing.finger_kernels import LIMIT, SELF, TOUCH, close_fingers, retreat
+from medkit.grasping.closing.finger_kernels import LIMIT, SELF, TOUCH
 from medkit.grasping.closing.hand_tables import closing_hand
 from medkit.grasping.closing.kernel_options import entry
 from medkit.grasping.closing.object_field import object_field
+from medkit.grasping.closing.whole_kernels import retreat
 from medkit.robots import load_hand
 
 BLOB = trimesh.creation.torus(0.05, 0.015, major_sections=40, minor_sections=16)
@@ -48,6 +49,12 @@ def call_touches(hand, body, clip):
 def call_self_clearance(hand, step, enough, work):
     """Let Python call `self_clearance`."""
     return self_kernels.self_clearance(hand, step, enough, work)
+
+
+@entry
+def call_close_fingers(field, hand, base, q, stops, work):
+    """Let Python call `close_fingers`."""
+    finger_kernels.close_fingers(field, hand, base, q, stops, work)
 
 
 @pytest.fixture(scope="module", params=NAMES)
@@ -233,7 +240,7 @@ def test_joint_by_joint_the_end_is_free_and_a_hair_further_is_not(setup):
             nearer = base.copy()
             nearer[:3, 3] += 1e-4 * approach
             assert meets(arrays, field, nearer @ hand.link_poses(q), everything)
-        close_fingers(field, arrays, base, q, stops, work)
+        call_close_fingers(field, arrays, base, q, stops, work)
         now = arrays.preshape.copy()
         for step, (joint, sign) in enumerate(zip(arrays.joint, arrays.closing, strict=True)):
             moved = arrays.moved_body[slice(*arrays.moved_body_start[step : step + 2])]

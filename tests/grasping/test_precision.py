@@ -6,8 +6,9 @@ import pytest
 import trimesh
 
 from medkit.geometry import random_rotation, rotation_about
+from medkit.grasping.closing import pad_kernels
+from medkit.grasping.closing.kernel_options import entry
 from medkit.grasping.closing.object_field import object_field
-from medkit.grasping.closing.pad_kernels import close_pads
 from medkit.grasping.closing.self_kernels import SELF_DEPTH, least_gap
 from medkit.grasping.closing.sight_kernels import sight
 from medkit.grasping.planners import Quality
@@ -15,6 +16,15 @@ from medkit.grasping.precision import PrecisionCloser, PrecisionTester
 from medkit.grasping.precision_grip import opposing_fingers, precision_grip
 from medkit.meshes import mass_properties
 from medkit.robots import load_hand
+
+
+@entry
+def call_close_pads(field, hand, grip, follow, base, q, amounts, touched, slack, work):
+    """Let Python call `close_pads`."""
+    return pad_kernels.close_pads(
+        field, hand, grip, follow, base, q, amounts, touched, slack, work
+    )  # fmt: skip
+
 
 HANDS = {name: load_hand(name) for name in ("armar3", "wsg50")}
 BALL = trimesh.creation.icosphere(3, 0.02)
@@ -120,7 +130,7 @@ def test_a_hand_that_overlaps_itself_does_not_start(bar_closer):
     base[:3, 3] = 5.0
 
     def starts(q):
-        return close_pads(
+        return call_close_pads(
             bar_closer.field, arrays, path, X, base.copy(), q.copy(), np.array(path.end),
             np.zeros(len(path.end), dtype=np.bool_), np.zeros(len(hand.bodies)), bar_closer.work,
         )  # fmt: skip

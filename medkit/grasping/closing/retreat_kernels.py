@@ -18,7 +18,7 @@ from medkit.grasping.closing.body_kernels import (
 from medkit.grasping.closing.chain_kernels import place_links
 from medkit.grasping.closing.face_tree import FAN
 from medkit.grasping.closing.inside_kernels import is_inside, way_out_of_inside
-from medkit.grasping.closing.kernel_options import entry, inner, leaf
+from medkit.grasping.closing.kernel_options import inner, leaf
 from medkit.grasping.closing.sight_kernels import first_child, height_over, look_at
 from medkit.grasping.closing.tree_kernels import meet
 
@@ -33,8 +33,8 @@ FAR = 0.05
 BUDGET = 24
 
 
-@entry
-def retreat(
+@inner
+def draw_back(
     field: Any,
     hand: Any,
     q: np.ndarray,
