@@ -73,6 +73,13 @@ class CandidateGrasps:
             },
         )
 
+    def rows(self) -> list[tuple[Floats, Floats, Floats, float]]:
+        """Point, approach, closing axis and radius of each candidate, as testers take them."""
+        return [
+            (self.grasp_point[k], self.approach[k], self.closing_axis[k], float(self.radius[k]))
+            for k in range(len(self))
+        ]
+
     def fate_counts(self) -> dict[str, int]:
         """How many spheres had each fate, by name in small letters; they add up to all spheres."""
         counted = Counter(self.fate.tolist())

@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Mapping
 from copy import copy
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from medkit.geometry import Floats
 from medkit.grasping.grasp_set import START_COLLISION, Grasp
 from medkit.grasping.power import PowerCloser
-from medkit.grasping.testers import PowerTester
+from medkit.grasping.testers import PowerTester, Try
 from medkit.robots.hand import Hand
 
 #: How far a power grasp stands back from where the palm meets the object, as shares of the
@@ -24,15 +25,6 @@ WIDE, PAD_BACK = 1.5, 0.2
 #: Where nothing holds: how far the hand is turned about its closing axis and about the axis across
 #: it [rad], and shifted along these, as a share of that radius.
 TILT, SHIFT = np.radians(30.0), 0.5
-
-
-class Try(NamedTuple):
-    """One way to test a candidate: who tests it, and where the hand goes."""
-
-    tester: Any
-    point: Floats
-    approach: Floats
-    closing_axis: Floats
 
 
 class SearchingTester:
@@ -81,17 +73,26 @@ class SearchingTester:
         All ways at the candidate itself are tried; those beside it only until one holds, where
         none at the candidate does.
         """
-        begin = Try(self.tester, point, approach, closing_axis)
+        _, best, spent = self._search(Try(self.tester, point, approach, closing_axis), radius)
+        return replace(best, grasp_point=point), spent
+
+    def settled(self, point: Floats, approach: Floats, closing_axis: Floats, radius: float) -> Try:
+        """The way that `test` settles on, to be tested alone."""
+        return self._search(Try(self.tester, point, approach, closing_axis), radius)[0]
+
+    def _search(self, begin: Try, radius: float) -> tuple[Try, Grasp, float]:
+        """The best way, its grasp, and the time of all qualities."""
         best, spent = self._tested(begin, radius)
-        for way in self._ways(begin, best):
-            grasp, more = self._tested(way, radius)
-            best, spent = max(best, grasp, key=_epsilon), spent + more
-        for way in self._beside(begin):
-            if best.epsilon > 0.0:
+        settled = begin
+        ways = self._ways(begin, best)
+        for number, way in enumerate(itertools.chain(ways, self._beside(begin))):
+            if number >= len(ways) and best.epsilon > 0.0:
                 break
             grasp, more = self._tested(way, radius)
-            best, spent = max(best, grasp, key=_epsilon), spent + more
-        return replace(best, grasp_point=point), spent
+            spent += more
+            if grasp.epsilon > best.epsilon:
+                settled, best = way, grasp
+        return settled, best, spent
 
     def _tested(self, way: Try, radius: float) -> tuple[Grasp, float]:
         self.closings += 1
@@ -135,10 +136,6 @@ class SearchingTester:
         for way in (side, -side, along, -along):
             yield begin._replace(point=point + SHIFT * self.room * way)
         yield begin._replace(closing_axis=-along)
-
-
-def _epsilon(grasp: Grasp) -> float:
-    return grasp.epsilon
 
 
 def _fingers_reversed(tester: PowerTester) -> PowerTester:

@@ -83,15 +83,7 @@ def run_candidates(
     progress : callable, optional
         Wraps the iterable of results.
     """
-    rows = [
-        (
-            candidates.grasp_point[k],
-            candidates.approach[k],
-            candidates.closing_axis[k],
-            float(candidates.radius[k]),
-        )
-        for k in range(len(candidates))
-    ]
+    rows: list[tuple] = list(candidates.rows())
     if processes_for(len(rows), jobs) == 1:
         results: Iterable[tuple[Grasp, float]] = (tester.test(*row) for row in rows)
         yield from progress(results, len(rows)) if progress else results

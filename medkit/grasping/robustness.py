@@ -13,7 +13,6 @@ from medkit.geometry import nonnegative, rotation_about, unit
 from medkit.grasping.candidate_set import CandidateGrasps
 from medkit.grasping.experiments import ObjectBench, Setting
 from medkit.grasping.grasp_set import FORCE_CLOSURE, Grasp
-from medkit.grasping.parallel import run_candidates
 from medkit.grasping.power import Contacts
 from medkit.grasping.testers import MIN_CONTACTS, Quality
 
@@ -81,7 +80,8 @@ def yields_under_errors(
     """Yield of one planner on one object when the hand is misplaced.
 
     Every candidate is tested once for each error. Shifts are tried without turns, and turns
-    without shifts.
+    without shifts. A planner that searches does so once, without an error; what it settled on is
+    what the misplaced hand does, closing once.
 
     Parameters
     ----------
@@ -122,18 +122,24 @@ def yields_under_errors(
         nonnegative(turn, "turn", " rad")
     chosen = bench.chosen(setting, most=most, rng=rng)
     tester = bench.tester(setting.grasp, setting.planner)
+    ways = [tester.settled(*row) for row in chosen.rows()]
+    planned = replace(
+        chosen,
+        grasp_point=np.array([way.point for way in ways]).reshape(-1, 3),
+        approach=np.array([way.approach for way in ways]).reshape(-1, 3),
+        closing_axis=np.array([way.closing_axis for way in ways]).reshape(-1, 3),
+    )
 
-    def holds(candidates: CandidateGrasps) -> np.ndarray:
-        return np.array(
-            [grasp.outcome == FORCE_CLOSURE for grasp, _ in run_candidates(tester, candidates)],
-            dtype=bool,
-        )
+    def holds(met: CandidateGrasps) -> np.ndarray:
+        rows = zip(ways, met.rows(), strict=True)
+        outcomes = [way.tester.test(*row)[0].outcome for way, row in rows]
+        return np.array([outcome == FORCE_CLOSURE for outcome in outcomes], dtype=bool)
 
-    before = holds(chosen)
+    before = holds(planned)
     errors = [(s, 0.0) for s in shifts] + [(0.0, t) for t in turns if t > 0.0]
     rows = []
     for shift, turn in errors:
-        moved = displaced(chosen, shift=shift, turn=turn, rng=rng)
+        moved = displaced(planned, shift=shift, turn=turn, rng=rng)
         held = before if shift == turn == 0.0 else holds(moved)
         rows.append(
             {

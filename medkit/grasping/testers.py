@@ -6,7 +6,7 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -88,6 +88,23 @@ class ClosedHand(Protocol):
         """Whether the hand was free of the object before it closed."""
 
 
+class Try(NamedTuple):
+    """One way to test a candidate: who tests it, and where the hand goes.
+
+    Attributes
+    ----------
+    tester : object
+        A `GraspTester`.
+    point, approach, closing_axis : ndarray, shape (3,)
+        See `CandidateGrasps` [m, 1, 1].
+    """
+
+    tester: Any
+    point: Floats
+    approach: Floats
+    closing_axis: Floats
+
+
 class GraspTester(ABC):
     """Closes the hand on a candidate and judges the result; one for each closing strategy.
 
@@ -131,6 +148,10 @@ class GraspTester(ABC):
     def from_parts(cls, parts: Mapping[str, Any]) -> GraspTester:
         """Build a tester from `parts`."""
         return cls.build(**parts)
+
+    def settled(self, point: Floats, approach: Floats, closing_axis: Floats, radius: float) -> Try:
+        """The way in which `test` tests a candidate; a search has others to choose from."""
+        return Try(self, point, approach, closing_axis)
 
     def test(
         self, point: Floats, approach: Floats, closing_axis: Floats, radius: float

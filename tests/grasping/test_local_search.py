@@ -13,10 +13,10 @@ from medkit.geometry import random_rotation
 from medkit.grasping.candidate_set import CandidateGrasps
 from medkit.grasping.choosing import spread_candidates
 from medkit.grasping.improved import improved_candidates
-from medkit.grasping.local_search import SHIFT, SearchingTester, Try
+from medkit.grasping.local_search import SHIFT, SearchingTester
 from medkit.grasping.precision import precision_tester
 from medkit.grasping.stopwatch import Stopwatch
-from medkit.grasping.testers import Quality, power_tester
+from medkit.grasping.testers import Quality, Try, power_tester
 from medkit.meshes import mass_properties
 from medkit.robots import load_hand
 
@@ -178,3 +178,15 @@ def test_a_finger_that_another_bars_may_close_first(hand):
     assert touching[1] > touching[0]
     begin = Try(search.tester, *row[:3])
     assert search.other in [way.tester for way in search._ways(begin, first)]
+
+
+def test_what_a_search_settles_on_gives_its_grasp_in_one_closing(found, plate, hand):
+    body = mass_properties(plate)
+    quality = Quality(0.5, body.center_mass, body.torque_scale)
+    search = SearchingTester.around(power_tester(hand, plate.triangles, quality), hand)
+    for row in spread_candidates(found, 6, np.random.default_rng(4)).rows():
+        best, settled = search.test(*row)[0], search.settled(*row)
+        again = settled.tester.test(*settled[1:], row[3])[0]
+        assert again.epsilon == best.epsilon
+        np.testing.assert_array_equal(again.pose, best.pose)
+        np.testing.assert_array_equal(again.q, best.q)

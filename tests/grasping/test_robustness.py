@@ -51,10 +51,24 @@ def test_more_friction_never_loses_a_grasp_and_the_planner_s_own_gives_its_own_v
     assert (table.tested == 8).all()
 
 
-def test_the_improved_planner_s_robustness_is_that_of_its_own_search():
+def test_without_an_error_a_search_holds_what_the_planner_holds():
     bench = ObjectBench(BAR, load_hand("wsg50"))
     setting = Setting("medial-plus", "power", 0.03, 0.5)
     rng = np.random.default_rng
     table = yields_under_errors(bench, setting, shifts=(0.0,), turns=(), most=6, rng=rng(1))
     grasps, _ = bench.grasps(setting, most=6, rng=rng(1))
     assert table.held[0] == sum(grasp.outcome == "force_closure" for grasp in grasps)
+
+
+def test_a_misplaced_hand_does_not_search_again(monkeypatch):
+    bench = ObjectBench(BAR, load_hand("armar3"))
+    setting, searches = Setting("medial-plus", "power", 0.03, 0.5), []
+    search = bench.tester("power", "medial-plus")
+    monkeypatch.setattr(bench, "tester", lambda *_: search)
+    for shifts in ((), (0.0,), (0.002, 0.005, 0.01)):
+        before = search.closings
+        yields_under_errors(
+            bench, setting, shifts=shifts, turns=(), most=4, rng=np.random.default_rng(1)
+        )
+        searches.append(search.closings - before)
+    assert searches[0] == searches[1] == searches[2] >= 4

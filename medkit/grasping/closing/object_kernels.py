@@ -5,6 +5,24 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
+#: Sine squared of a corner's angle below which a triangle has no area worth the name.
+SLIVER = 1e-20
+
+
+@njit(cache=True)
+def point_side_distance_squared(
+    px: float, py: float, pz: float, a: np.ndarray, b: np.ndarray
+) -> float:
+    """Squared distance [m^2] of a point from the side between two corners (3,), however short."""
+    ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    dx, dy, dz = px - a[0], py - a[1], pz - a[2]
+    square = ux * ux + uy * uy + uz * uz
+    t = 0.0
+    if square > 0.0:
+        t = min(max((ux * dx + uy * dy + uz * dz) / square, 0.0), 1.0)
+    dx, dy, dz = dx - t * ux, dy - t * uy, dz - t * uz
+    return dx * dx + dy * dy + dz * dz
+
 
 @njit(cache=True)
 def point_triangle_distance_squared(px: float, py: float, pz: float, triangle: np.ndarray) -> float:
@@ -18,6 +36,10 @@ def point_triangle_distance_squared(px: float, py: float, pz: float, triangle: n
     bb = abx * abx + aby * aby + abz * abz
     cc = acx * acx + acy * acy + acz * acz
     bc = abx * acx + aby * acy + abz * acz
+    if bb * cc - bc * bc <= SLIVER * bb * cc:  # the regions below would divide by its area
+        first = point_side_distance_squared(px, py, pz, triangle[0], triangle[1])
+        second = point_side_distance_squared(px, py, pz, triangle[1], triangle[2])
+        return min(first, second, point_side_distance_squared(px, py, pz, triangle[2], triangle[0]))
     # Barycentric weights v, w of the nearest point; which of them is clamped names the region.
     d3, d4 = d1 - bb, d2 - bc
     d5, d6 = d1 - bc, d2 - cc
