@@ -70,10 +70,20 @@ def chapter_of(name: str) -> str:
 
 
 def read(path: Path) -> Any:
-    """Read a notebook as it is stored."""
+    """Read a notebook as it is stored; `InputError` where there is none."""
     import nbformat
 
-    return nbformat.read(path, as_version=4)
+    try:
+        return nbformat.read(path, as_version=4)
+    except OSError as error:
+        raise InputError(
+            f"Expected a notebook, but {path} cannot be read ({error.strerror}); give its path, such"
+            " as notebooks/00_start_here.ipynb."
+        ) from None
+    except (nbformat.reader.NotJSONError, nbformat.ValidationError):
+        raise InputError(
+            f"Expected a notebook, but {path} is none; give the path of an .ipynb file."
+        ) from None
 
 
 def execute(path: Path) -> Executed:

@@ -9,7 +9,14 @@ import pytest
 
 from medkit.book import replay, replay_missing, replay_statement
 from medkit.book.build import write_book
-from medkit.book.notebooks import Executed, chapter_of, execute, find_notebooks, normalised
+from medkit.book.notebooks import (
+    Executed,
+    chapter_of,
+    execute,
+    find_notebooks,
+    normalised,
+    read,
+)
 from medkit.book.pages import markdown_html, notebook_html
 from medkit.book.replay import rows_of
 from medkit.book.replay_page import replay_rows
@@ -147,3 +154,11 @@ def test_stored_notebooks_name_no_machine_and_keep_their_size():
         text = path.read_text(encoding="utf-8")
         assert len(text) < 1.5e6, path.name
         assert not re.search(r"/(home|root|tmp|usr|work)/|site-packages", text), path.name
+
+
+def test_a_notebook_that_is_none_gets_one_sentence(tmp_path):
+    other = tmp_path / "other.ipynb"
+    other.write_text("no notebook")
+    for path in (tmp_path / "missing.ipynb", tmp_path, other):
+        with pytest.raises(InputError, match="Expected a notebook"):
+            read(path)
