@@ -77,7 +77,7 @@ def read(path: Path) -> Any:
         return nbformat.read(path, as_version=4)
     except OSError as error:
         raise InputError(
-            f"Expected a notebook, but {path} cannot be read ({error.strerror}); give its path, such"
+            f"Expected a notebook, but {path} cannot be read ({error.strerror}); give a path such"
             " as notebooks/00_start_here.ipynb."
         ) from None
     except (nbformat.reader.NotJSONError, nbformat.ValidationError):
