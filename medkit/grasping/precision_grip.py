@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from medkit.errors import InputError
 from medkit.geometry import Floats, unit
@@ -69,16 +69,16 @@ class PrecisionGrip:
         """Amounts (n,) at which the pads are `opening` (n,) [m] apart, clipped to the range."""
         return np.interp(opening, self.openings[::-1], self.amounts[::-1])
 
-    def faces(self, openings: Floats) -> NDArray[np.bool_]:
+    def faces(self, openings: ArrayLike) -> NDArray[np.bool_]:
         """Whether the pads oppose each other at `openings` (n,) [m]; False outside the range.
 
         Opposed means that the line between the pads lies within a friction cone of 0.5 around
         the grip axis.
         """
-        openings = np.asarray(openings, dtype=float)
-        misses = np.interp(openings, self.openings[::-1], self.offsets[::-1])
-        within = (openings >= self.openings[-1]) & (openings <= self.widest)
-        return np.asarray(within & (np.abs(misses) <= FRICTION * openings), dtype=np.bool_)
+        at = np.asarray(openings, dtype=float)
+        misses = np.interp(at, self.openings[::-1], self.offsets[::-1])
+        within = (at >= self.openings[-1]) & (at <= self.widest)
+        return np.asarray(within & (np.abs(misses) <= FRICTION * at), dtype=np.bool_)
 
     def configuration(self, hand: Hand, amounts: Floats) -> Floats:
         """Joint coordinates (n, nq) with every finger at `amounts` (n,)."""
