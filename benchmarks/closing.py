@@ -8,17 +8,27 @@ from typing import Any
 import numpy as np
 import trimesh
 
-from medkit.grasping import PowerCloser, candidates_from_axis, medial_axis, object_field
+from medkit.datasets import load_object
+from medkit.grasping import candidates_from_axis, medial_axis
+from medkit.grasping.precision import PrecisionTester
+from medkit.grasping.testers import PowerTester, Quality
+from medkit.meshes import mass_properties
 from medkit.robots import load_hand
 
 STEP = np.radians(2.0)  # [rad] first stride of the rival's joints
 HALVINGS = 10
+FIGURES = (
+    "{faces:6} faces: closing {ours_s:.5f} s, candidate {whole_s:.5f} s, coal {coal_s:.4f} s,"
+    " ratio {ratio:.0f}"
+)
 
 
 def objects() -> dict[str, trimesh.Trimesh]:
+    torus = trimesh.creation.torus(0.05, 0.015, major_sections=256, minor_sections=96)
     return {
         "capsule": trimesh.creation.capsule(0.12, 0.025, count=[64, 64]),
-        "torus": trimesh.creation.torus(0.05, 0.015, major_sections=128, minor_sections=64),
+        "torus": torus,
+        **{name: load_object(name) for name in ("bottle", "moon", "figure")},
     }
 
 
@@ -30,28 +40,34 @@ def run(candidates: int = 15) -> dict[str, Any]:
         found = candidates_from_axis(
             medial_axis(mesh), search_radius=0.03, hand_radii=hand.sphere_radii
         )
-        picked = np.linspace(0, len(found) - 1, candidates).astype(int)
-        closer = PowerCloser(hand, object_field(mesh.triangles))
+        body = mass_properties(mesh)
+        quality = Quality(0.5, body.center_mass, body.torque_scale)
         rival = CoalLoop(hand, mesh)
-        ours, theirs = [], []
-        for row, k in enumerate([picked[0], *picked]):
-            args = found.grasp_point[k], found.approach[k], found.closing_axis[k]
-            begin = time.process_time()
-            grasp = closer.close(*args)
-            middle = time.process_time()
-            rival.close(grasp.pose)
-            if row:  # the first one compiles
-                ours.append(middle - begin)
-                theirs.append(time.process_time() - middle)
-        rows[name] = {
-            "faces": len(mesh.faces),
-            "ours_s": float(np.median(ours)),
-            "coal_s": float(np.median(theirs)),
-            "ratio": float(np.median(theirs) / np.median(ours)),
-        }
-        figures = "ours {ours_s:.4f} s, coal {coal_s:.4f} s, ratio {ratio:.0f}"
-        print(f"{name:8} {len(mesh.faces)} faces:", figures.format(**rows[name]))
+        picked = np.linspace(0, len(found) - 1, candidates).astype(int)
+        for grasp, kind in (("power", PowerTester), ("precision", PrecisionTester)):
+            tester = kind.build(hand, np.asarray(mesh.triangles), quality)
+            row = f"{name} {grasp}"
+            rows[row] = {"faces": len(mesh.faces), **compared(tester, rival, found, picked)}
+            print(f"{row:18}", FIGURES.format(**rows[row]))
     return rows
+
+
+def compared(tester: Any, rival: CoalLoop, found: Any, picked: Any) -> dict[str, float]:
+    """Medians [s] of closing and of the whole candidate, and of the rival from the same start."""
+    preshape = tester.closer.arrays.preshape
+    times = []
+    for row, k in enumerate([picked[0], *picked]):
+        args = found.grasp_point[k], found.approach[k], found.closing_axis[k], found.radius[k]
+        begin = time.process_time()
+        closed = tester.closed(*args)
+        middle = time.process_time()
+        tester.test(*args)
+        end = time.process_time()
+        rival.close(closed.start_pose, preshape)
+        if row:  # the first one compiles
+            times.append((middle - begin, end - middle, time.process_time() - end))
+    ours, whole, theirs = np.median(times, axis=0)
+    return {"ours_s": ours, "whole_s": whole, "coal_s": theirs, "ratio": theirs / ours}
 
 
 class CoalLoop:
@@ -84,9 +100,9 @@ class CoalLoop:
                 return True
         return False
 
-    def close(self, pose: Any) -> Any:
-        """Joint coordinates after closing at a pose that is free of collision."""
-        q = np.array(self.hand.preshapes["power"])
+    def close(self, pose: Any, preshape: Any) -> Any:
+        """Joint coordinates after closing from a preshape at a pose that is free of collision."""
+        q = np.array(preshape)
         for finger in self.hand.fingers:
             for joint, sign, bodies in zip(
                 finger.joints, finger.closing, finger.moved_bodies, strict=True

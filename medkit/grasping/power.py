@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from medkit.geometry import Floats
 from medkit.grasping.closing.body_kernels import Workspace, workspace
-from medkit.grasping.closing.contact_kernels import COLUMNS, SPOTS, hand_contacts
-from medkit.grasping.closing.finger_kernels import close_fingers, place_links, retreat
+from medkit.grasping.closing.contact_kernels import COLUMNS, SPOTS, Reading
 from medkit.grasping.closing.hand_tables import ClosingHand, closing_hand, hand_rotation, palm_frame
 from medkit.grasping.closing.object_field import ObjectField
+from medkit.grasping.closing.whole_kernels import contacts_at, power_grasp
 from medkit.robots.hand import Hand
 
 #: A face of the object this near [m] to a link of the closed hand touches it: pads give a little.
@@ -55,40 +55,31 @@ class Contacts:
 
 
 class ContactReader:
-    """Reads the contacts of a hand off a workspace, as the kernels leave it after closing.
+    """What the kernels need to read contacts, and the contacts that they found.
 
     Parameters
     ----------
-    field : ObjectField
-        The object.
     arrays : ClosingHand
         The hand.
-    work : Workspace
-        Holds the poses of the links, and how far each body surely is from the object.
     bodies : ndarray of bool, shape (b,), optional
         Bodies whose contacts count; all when left out.
     """
 
-    def __init__(
-        self,
-        field: ObjectField,
-        arrays: ClosingHand,
-        work: Workspace,
-        bodies: NDArray[np.bool_] | None = None,
-    ) -> None:
-        self._tables = field, arrays
-        self._work = work
-        self._bodies = np.ones(len(arrays.body_link), dtype=np.bool_) if bodies is None else bodies
-        self._spots = np.zeros((SPOTS, COLUMNS))
-        self._rows = np.zeros((CONTACTS_PER_BODY * len(arrays.body_link), COLUMNS))
+    def __init__(self, arrays: ClosingHand, bodies: NDArray[np.bool_] | None = None) -> None:
+        count = len(arrays.body_link)
+        self.reading = Reading(
+            np.ones(count, dtype=np.bool_) if bodies is None else bodies,
+            CONTACT_TOLERANCE,
+            CONTACT_SEPARATION,
+            MIN_OPPOSITION,
+            CONTACTS_PER_BODY,
+            np.zeros((SPOTS, COLUMNS)),
+            np.zeros((CONTACTS_PER_BODY * count, COLUMNS)),
+        )
 
-    def read(self) -> Contacts:
-        """Contacts of the hand as its links stand in the workspace."""
-        count = hand_contacts(
-            *self._tables, self._bodies, CONTACT_TOLERANCE, CONTACT_SEPARATION, MIN_OPPOSITION,
-            CONTACTS_PER_BODY, self._spots, self._rows, self._work,
-        )  # fmt: skip
-        rows = self._rows[:count]
+    def contacts(self, count: int) -> Contacts:
+        """The first `count` contacts that a kernel left."""
+        rows = self.reading.contacts[:count]
         return Contacts(rows[:, :3].copy(), rows[:, 3:6].copy(), rows[:, 6].astype(np.int64))
 
 
@@ -155,7 +146,7 @@ class PowerCloser:
         self.arrays: ClosingHand = closing_hand(hand, finger_order=finger_order)
         self.work: Workspace = workspace(field, self.arrays)
         self._palm = palm_frame(hand.palm_direction, hand.closing_axis)
-        self._reader = ContactReader(field, self.arrays, self.work)
+        self._reader = ContactReader(self.arrays)
 
     def start_pose(self, grasp_point: Floats, approach: Floats, closing_axis: Floats) -> Floats:
         """``T_object_hand`` with the hand's power frame at the grasp point (P13 4.29)."""
@@ -186,16 +177,16 @@ class PowerCloser:
         """Back off from `pose` (4, 4) against `approach` (3,) until free, then close."""
         base = np.array(pose, dtype=float)
         q = self.arrays.preshape.copy()
-        way = retreat(self.field, self.arrays, q, base, approach, MAX_RETREAT, self.work)
         stops = np.zeros(len(self.arrays.joint), dtype=np.int64)
-        if way < 0.0:
-            nothing = Contacts(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=np.int64))
-            return ClosedGrasp(base, q, nothing, -1.0, stops)
-        close_fingers(self.field, self.arrays, base, q, stops, self.work)
-        return ClosedGrasp(base, q, self._reader.read(), float(way), stops)
+        way, count = power_grasp(
+            self.field, self.arrays, q, base, approach, MAX_RETREAT, stops,
+            self._reader.reading, self.work,
+        )  # fmt: skip
+        return ClosedGrasp(base, q, self._reader.contacts(count), float(way), stops)
 
     def contacts(self, pose: Floats, q: Floats) -> Contacts:
         """Contacts of the hand at a pose (4, 4) and joints (nq,)."""
-        place_links(self.arrays, np.array(q, dtype=float), np.array(pose, dtype=float), self.work)
-        self.work.slack[:] = 0.0  # nothing is known of where this is
-        return self._reader.read()
+        at, joints = np.array(pose, dtype=float), np.array(q, dtype=float)
+        reading = self._reader.reading
+        count = contacts_at(self.field, self.arrays, joints, at, reading, self.work)
+        return self._reader.contacts(count)

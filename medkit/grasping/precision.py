@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 
 from medkit.geometry import Floats
 from medkit.grasping.closing.body_kernels import workspace
-from medkit.grasping.closing.finger_kernels import retreat
 from medkit.grasping.closing.hand_tables import ClosingHand, closing_hand, hand_rotation, palm_frame
 from medkit.grasping.closing.object_field import ObjectField, object_field
-from medkit.grasping.closing.pad_kernels import close_pads
+from medkit.grasping.closing.whole_kernels import precision_grasp, retreat
 from medkit.grasping.opposition import OPENING_FACTOR
 from medkit.grasping.pad_ways import opposing_fingers
 from medkit.grasping.power import MAX_RETREAT, ContactReader, Contacts
@@ -107,7 +106,7 @@ class PrecisionCloser:
         # A URDF often hangs a rounded tip of its own on the last phalanx by a fixed joint.
         tips = [hand.tree.rigid_links(finger.tip_link) for finger in opposing_fingers(hand)]
         has_pad = np.isin(self.arrays.body_link, np.concatenate(tips))
-        self._reader = ContactReader(field, self.arrays, self.work, has_pad)
+        self._reader = ContactReader(self.arrays, has_pad)
 
     def preshape(self, radius: float) -> tuple[float, Floats]:
         """Amount along the grip for a sphere of `radius` [m], and the grasp centre (3,) [m].
@@ -157,12 +156,13 @@ class PrecisionCloser:
         start = base.copy()
         amounts = np.minimum(amount, self.path.end)
         touched = np.zeros(len(amounts), dtype=np.bool_)
-        if not close_pads(
+        count = precision_grasp(
             self.field, self.arrays, self.path, forwards, base, q, amounts, touched,
-            self.work.slack, self.work,
-        ):  # fmt: skip
+            self._reader.reading, self.work,
+        )  # fmt: skip
+        if count < 0:
             return self._failed(start, q)
-        return ClosedPrecisionGrasp(start, base, q, self._reader.read(), True, touched)
+        return ClosedPrecisionGrasp(start, base, q, self._reader.contacts(count), True, touched)
 
     def _stand_off(self, point: Floats, base: Floats, q: Floats, forwards: Floats) -> bool:
         """Put the palm at `point`, draw back until free and by the standoff; False if never."""

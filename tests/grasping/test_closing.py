@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from medkit.errors import InputError
 from medkit.geometry import random_rotation
 from medkit.grasping import PowerCloser, object_field
-from medkit.grasping.closing.face_tree import face_tree, smallest_balls
+from medkit.grasping.closing.face_tree import FAN, face_tree, smallest_balls
 from medkit.grasping.closing.finger_kernels import TOUCH
 from medkit.grasping.closing.object_field import split_long_edges
 from medkit.robots import load_hand
@@ -161,20 +161,30 @@ def test_moving_hand_and_object_together_changes_nothing(hand, seed):
     assert (one.stops == two.stops).all()
 
 
-def test_the_tree_holds_every_piece_once_and_its_balls_hold_what_is_below():
-    mesh = trimesh.creation.torus(0.05, 0.02)
-    pieces, faces = split_long_edges(np.array(mesh.triangles), 0.008)
+@pytest.mark.parametrize("size", [0.008, 0.02, 0.05])
+@pytest.mark.parametrize("shift", [0.0, 100.0])
+def test_the_tree_holds_every_piece_once_and_its_balls_hold_what_is_below(size, shift):
+    """Also far from the origin, where single precision is coarse: radii make up for it."""
+    mesh = trimesh.creation.torus(0.05, 0.02, major_sections=24, minor_sections=12)
+    pieces, faces = split_long_edges(np.array(mesh.triangles) + shift, size)
     tree = face_tree(pieces, faces)
     assert sorted(tree.faces) == sorted(faces)
-    leaves = len(tree.starts) - 1
-    held = [tree.pieces[tree.starts[k] : tree.starts[k + 1]].reshape(-1, 3) for k in range(leaves)]
-    for node in range(leaves - 2, -1, -1):
-        low = high = node
-        while low < leaves - 1:
-            low, high = 2 * low + 1, 2 * high + 2
-        points = np.vstack(held[low - leaves + 1 : high - leaves + 2])
-        way = np.linalg.norm(points - tree.balls[node, :3], axis=1)
-        assert way.max() <= tree.balls[node, 3] + 1e-12
+    held: dict[int, np.ndarray] = {}
+    seen = 0
+    for node in range(len(tree.blocks) - 1, -1, -1):
+        balls = tree.blocks[node].reshape(4, FAN).T.astype(float)
+        if node >= tree.first_leaf:
+            leaf = node - tree.first_leaf
+            parts = list(tree.pieces[tree.starts[leaf] : tree.starts[leaf + 1]])
+        else:
+            first = max(FAN * node + tree.fan + 1 - FAN, 1)
+            parts = [held[first + k] for k in range(FAN if node else tree.fan)]
+            seen += len(parts)
+        for points, ball in zip(parts, balls, strict=False):
+            assert np.linalg.norm(points - ball[:3], axis=1).max() <= ball[3] + 1e-12 * (1 + shift)
+        assert (balls[len(parts) :, 3] < 0.0).all()
+        held[node] = np.concatenate(parts)
+    assert seen == len(tree.blocks) - 1
 
 
 def test_the_smallest_ball_of_a_triangle_holds_it_and_no_smaller_one_does():

@@ -8,12 +8,21 @@ import pytest
 import trimesh
 
 from medkit.geometry import random_rotation
-from medkit.grasping.closing import body_kernels, self_kernels, tree_kernels
+from medkit.grasping.closing import (
+    body_kernels,
+    finger_kernels,
+    self_kernels,
+    sight_kernels,
+    tree_kernels,
+)
 from medkit.grasping.closing.chain_kernels import place_links
-from medkit.grasping.closing.finger_kernels import LIMIT, SELF, TOUCH, close_fingers, retreat
+from medkit.grasping.closing.face_tree import FAN
+from medkit.grasping.closing.finger_kernels import LIMIT, SELF, TOUCH
 from medkit.grasping.closing.hand_tables import closing_hand
+from medkit.grasping.closing.hull_tables import CELL
 from medkit.grasping.closing.kernel_options import entry
 from medkit.grasping.closing.object_field import object_field
+from medkit.grasping.closing.whole_kernels import retreat
 from medkit.robots import load_hand
 
 BLOB = trimesh.creation.torus(0.05, 0.015, major_sections=40, minor_sections=16)
@@ -33,6 +42,18 @@ def call_collect(field, hand, body, pose, margin, work):
 
 
 @entry
+def call_look_at(field, hand, body, pose, node, work):
+    """Let Python call `look_at`."""
+    sight_kernels.look_at(field.tree.blocks[node], hand.hulls, body, pose, work.sight)
+
+
+@entry
+def call_push_near(child, limit, work):
+    """Let Python call `push_near` on a stack of one."""
+    return sight_kernels.push_near(child, limit, work.sight, 1)
+
+
+@entry
 def call_clip(hand, body, margin, clip):
     """Let Python call `clip_to_body`."""
     return body_kernels.clip_to_body(hand.hulls, body, margin, clip)
@@ -48,6 +69,12 @@ def call_touches(hand, body, clip):
 def call_self_clearance(hand, step, enough, work):
     """Let Python call `self_clearance`."""
     return self_kernels.self_clearance(hand, step, enough, work)
+
+
+@entry
+def call_close_fingers(field, hand, base, q, stops, work):
+    """Let Python call `close_fingers`."""
+    finger_kernels.close_fingers(field, hand, base, q, stops, work)
 
 
 @pytest.fixture(scope="module", params=NAMES)
@@ -154,6 +181,46 @@ def test_a_gap_is_never_overstated_and_not_by_far_understated(setup):
     assert np.median(shares) > 0.5
 
 
+def test_a_block_is_seen_where_it_stands_and_no_nearer_than_it_is(setup):
+    _, field, arrays, work = setup
+    rng = np.random.default_rng(11)
+    hulls, sight = arrays.hulls, work.sight
+    for pose in poses_near(rng, 40):
+        body = int(rng.integers(len(arrays.body_link)))
+        node = int(rng.integers(1, len(field.tree.blocks)))
+        balls = field.tree.blocks[node].reshape(4, FAN).T.astype(float)
+        call_look_at(field, arrays, body, pose, node, work)
+        middle = (balls[:, :3] - pose[:3, 3]) @ pose[:3, :3]
+        np.testing.assert_allclose(sight.middle.reshape(3, FAN).T, middle, atol=1e-12)
+        cell = np.floor((middle - hulls.origin[body]) / CELL).astype(int)
+        i, j, k = np.clip(cell, 0, hulls.cells[body] - 1).T
+        row = (i * hulls.cells[body, 1] + j) * hulls.cells[body, 2] + k
+        hint = hulls.hints[hulls.cell_start[body] + row].astype(int)
+        assert (sight.plane == hint).all()
+        plane = hulls.planes[np.maximum(hint, -1 - hint)]
+        gap = (middle * plane[:, :3]).sum(axis=1) - plane[:, 3] - balls[:, 3]
+        np.testing.assert_allclose(sight.gap, gap, atol=1e-12)
+        # the highest plane is a bound from below of the distance, so any plane is
+        top = (middle @ planes_of(arrays, body)[:, :3].T - planes_of(arrays, body)[:, 3]).max(
+            axis=1
+        )
+        assert (sight.gap <= top - balls[:, 3] + 1e-12).all()
+
+
+def test_children_are_stacked_if_near_and_the_nearest_is_on_top(setup):
+    _, _, _, work = setup
+    rng = np.random.default_rng(12)
+    for limit in (-1.0, 0.3, 2.0):
+        for _ in range(20):
+            work.sight.gap[:] = rng.uniform(0.0, 1.0, FAN)
+            top = call_push_near(100, limit, work)
+            stacked = work.sight.stack[1:top]
+            assert sorted(stacked - 100) == np.flatnonzero(work.sight.gap < limit).tolist()
+            np.testing.assert_array_equal(work.sight.bounds[1:top], work.sight.gap[stacked - 100])
+            if top > 1:
+                assert work.sight.bounds[top - 1] == work.sight.gap.min()
+
+
 def test_collected_faces_hold_all_that_a_grown_body_meets(setup):
     _, field, arrays, work = setup
     rng = np.random.default_rng(5)
@@ -198,8 +265,7 @@ def least_gap(arrays, poses, step, enough):
             if b in bodies:
                 continue
             for one, other in ((a, b), (b, a)):
-                groups = arrays.group_start[one : one + 2]
-                samples = arrays.samples[slice(*arrays.sample_start[groups])]
+                samples = arrays.surface.samples[slice(*arrays.surface.start[one : one + 2])]
                 into = np.linalg.inv(poses[arrays.body_link[other]])
                 into = into @ poses[arrays.body_link[one]]
                 points = samples @ into[:3, :3].T + into[:3, 3]
@@ -234,7 +300,7 @@ def test_joint_by_joint_the_end_is_free_and_a_hair_further_is_not(setup):
             nearer = base.copy()
             nearer[:3, 3] += 1e-4 * approach
             assert meets(arrays, field, nearer @ hand.link_poses(q), everything)
-        close_fingers(field, arrays, base, q, stops, work)
+        call_close_fingers(field, arrays, base, q, stops, work)
         now = arrays.preshape.copy()
         for step, (joint, sign) in enumerate(zip(arrays.joint, arrays.closing, strict=True)):
             moved = arrays.moved_body[slice(*arrays.moved_body_start[step : step + 2])]

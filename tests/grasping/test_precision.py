@@ -6,14 +6,25 @@ import pytest
 import trimesh
 
 from medkit.geometry import random_rotation, rotation_about
+from medkit.grasping.closing import pad_kernels
+from medkit.grasping.closing.kernel_options import entry
 from medkit.grasping.closing.object_field import object_field
-from medkit.grasping.closing.pad_kernels import close_pads
 from medkit.grasping.closing.self_kernels import SELF_DEPTH, least_gap
+from medkit.grasping.closing.sight_kernels import sight
 from medkit.grasping.precision import PrecisionCloser, PrecisionTester
 from medkit.grasping.precision_grip import opposing_fingers, precision_grip
 from medkit.grasping.testers import Quality
 from medkit.meshes import mass_properties
 from medkit.robots import load_hand
+
+
+@entry
+def call_close_pads(field, hand, grip, follow, base, q, amounts, touched, slack, work):
+    """Let Python call `close_pads`."""
+    return pad_kernels.close_pads(
+        field, hand, grip, follow, base, q, amounts, touched, slack, work
+    )  # fmt: skip
+
 
 HANDS = {name: load_hand(name) for name in ("armar3", "wsg50")}
 BALL = trimesh.creation.icosphere(3, 0.02)
@@ -119,7 +130,7 @@ def test_a_hand_that_overlaps_itself_does_not_start(bar_closer):
     base[:3, 3] = 5.0
 
     def starts(q):
-        return close_pads(
+        return call_close_pads(
             bar_closer.field, arrays, path, X, base.copy(), q.copy(), np.array(path.end),
             np.zeros(len(path.end), dtype=np.bool_), np.zeros(len(hand.bodies)), bar_closer.work,
         )  # fmt: skip
@@ -129,7 +140,7 @@ def test_a_hand_that_overlaps_itself_does_not_start(bar_closer):
 
     def gap(q):
         poses = np.ascontiguousarray(hand.link_poses(q)[None])
-        return least_gap(arrays, thumb, index, poses, 0.1, np.zeros((3, 4)))
+        return least_gap(arrays, thumb, index, poses, 0.1, sight())
 
     used = [int(joint) for finger in opposing[:2] for joint in finger.joints]
     rng = np.random.default_rng(0)

@@ -9,24 +9,22 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from medkit.grasping.closing.hull_tables import CELL
 from medkit.grasping.closing.kernel_options import inner, leaf
+from medkit.grasping.closing.sight_kernels import Sight, height_over, hint_at, sight
 
-#: Cells of the table of planes per metre.
-PER_CELL = 1.0 / CELL
 #: A plane this far [m] above all corners of a triangle is not the nearest of its body.
 NEAR_PLANE = 1e-4
 #: Largest polygon that clipping a triangle by a body can leave.
 POLYGON = 192
-#: Deepest way down a `FaceTree`, with both children on the stack.
-STACK = 128
 
 
 class ClipScratch(NamedTuple):
     """Scratch arrays of clipping one triangle."""
 
     local: np.ndarray
-    heights: np.ndarray
+    low: np.ndarray
+    top: np.ndarray
+    over: np.ndarray
     polygon: np.ndarray
     spare: np.ndarray
     active: np.ndarray
@@ -43,8 +41,7 @@ class Workspace(NamedTuple):
     """
 
     clip: ClipScratch
-    stack: np.ndarray
-    bounds: np.ndarray
+    sight: Sight
     hit: np.ndarray
     poses: np.ndarray
     at_joint: np.ndarray
@@ -65,15 +62,16 @@ def workspace(field: Any, hand: Any) -> Workspace:
     return Workspace(
         clip=ClipScratch(
             local=np.zeros((3, 3)),
-            heights=np.zeros(planes),
+            low=np.zeros(planes),
+            top=np.zeros(planes),
+            over=np.zeros(POLYGON),
             polygon=np.zeros((POLYGON, 3)),
             spare=np.zeros((POLYGON, 3)),
-            active=np.zeros(planes, dtype=np.int64),
-            cutting=np.zeros(planes, dtype=np.int64),
+            active=np.zeros(planes + 1, dtype=np.int64),
+            cutting=np.zeros(planes + 1, dtype=np.int64),
             active_count=np.zeros(1, dtype=np.int64),
         ),
-        stack=np.zeros(STACK, dtype=np.int64),
-        bounds=np.zeros(STACK),
+        sight=sight(),
         hit=np.zeros(1, dtype=np.int64),
         poses=np.tile(np.eye(4), (len(hand.parent), 1, 1)),
         at_joint=np.zeros((4, 4)),
@@ -109,30 +107,6 @@ def to_link(pose: np.ndarray, triangle: np.ndarray, local: np.ndarray) -> None:
         dz = triangle[v, 2] - pose[2, 3]
         for a in range(3):
             local[v, a] = pose[0, a] * dx + pose[1, a] * dy + pose[2, a] * dz
-
-
-@leaf
-def hint_at(hulls: Any, body: int, x: float, y: float, z: float) -> Any:
-    """Entry of the table of planes for a point in a link's frame; negative well inside."""
-    counts = hulls.cells
-    i = int(min(max((x - hulls.origin[body, 0]) * PER_CELL, 0.0), counts[body, 0] - 1.0))
-    j = int(min(max((y - hulls.origin[body, 1]) * PER_CELL, 0.0), counts[body, 1] - 1.0))
-    k = int(min(max((z - hulls.origin[body, 2]) * PER_CELL, 0.0), counts[body, 2] - 1.0))
-    row = hulls.cell_start[body] + (i * counts[body, 1] + j) * counts[body, 2] + k
-    return np.int64(hulls.hints[row])
-
-
-@leaf
-def height_over(planes: np.ndarray, f: int, x: float, y: float, z: float) -> float:
-    """Height [m] of a point over one plane."""
-    return planes[f, 0] * x + planes[f, 1] * y + planes[f, 2] * z - planes[f, 3]
-
-
-@leaf
-def sure_height(hulls: Any, body: int, x: float, y: float, z: float) -> float:
-    """Height [m] that a point in a link's frame has over a body at the least."""
-    f = hint_at(hulls, body, x, y, z)
-    return height_over(hulls.planes, max(f, -1 - f), x, y, z)
 
 
 @leaf
@@ -175,87 +149,81 @@ def clip_to_body(hulls: Any, body: int, margin: float, clip: Any) -> int:
     Returns the number of its corners, which are in ``clip.polygon``; 0 when triangle and body
     are apart. ``clip.active`` lists the planes that some corner is near or beyond.
     """
-    planes, local = hulls.planes, clip.local
     first, last = hulls.plane_start[body], hulls.plane_start[body + 1]
-    x = (local[0, 0] + local[1, 0] + local[2, 0]) / 3.0
-    y = (local[0, 1] + local[1, 1] + local[2, 1]) / 3.0
-    z = (local[0, 2] + local[1, 2] + local[2, 2]) / 3.0
-    radius = 0.0
-    for v in range(3):
-        d0, d1, d2 = local[v, 0] - x, local[v, 1] - y, local[v, 2] - z
-        radius = max(radius, d0 * d0 + d1 * d1 + d2 * d2)
-    radius = np.sqrt(radius)
-    # Most planes are far above all of the triangle: that takes one corner each to see, and
-    # a loop without branches.
-    _heights(hulls.columns, first, last, x, y, z, clip.heights)
-    cut = active = 0
-    for f in range(first, last):
-        if clip.heights[f - first] + radius <= -NEAR_PLANE:
-            continue
-        h0 = height_over(planes, f, local[0, 0], local[0, 1], local[0, 2])
-        h1 = height_over(planes, f, local[1, 0], local[1, 1], local[1, 2])
-        h2 = height_over(planes, f, local[2, 0], local[2, 1], local[2, 2])
-        top = max(h0, h1, h2)
-        if top <= -NEAR_PLANE:
-            continue
-        if min(h0, h1, h2) > margin:
-            return 0
+    _span(hulls.columns, first, last, clip.local, clip.low, clip.top)
+    # without branches, since which planes matter is no pattern that the processor could learn
+    active, cut = 0, 0
+    for f in range(last - first):
         clip.active[active] = f
-        active += 1
-        if top > margin:
-            clip.cutting[cut] = f
-            cut += 1
+        active += 1 if clip.top[f] > -NEAR_PLANE else 0
+    for e in range(active):
+        f = clip.active[e]
+        if clip.low[f] > margin:
+            return 0
+        clip.active[e] = clip.cutting[cut] = first + f
+        cut += 1 if clip.top[f] > margin else 0
     clip.active_count[0] = active
     for v in range(3):
         for a in range(3):
-            clip.polygon[v, a] = local[v, a]
-    return _cut_polygon(planes, cut, margin, clip)
+            clip.polygon[v, a] = clip.local[v, a]
+    return _cut_polygon(hulls.planes, cut, margin, clip)
 
 
 @inner
-def _heights(
-    columns: np.ndarray, first: int, last: int, x: float, y: float, z: float, out: np.ndarray
+def _span(
+    columns: np.ndarray, first: int, last: int, local: np.ndarray, low: np.ndarray, top: np.ndarray
 ) -> None:
-    """Heights of a point over the planes ``columns[:, first:last]`` (4, p), into `out`."""
-    nx, ny, nz, d = (
-        columns[0, first:last],
-        columns[1, first:last],
-        columns[2, first:last],
-        columns[3, first:last],
-    )
+    """Heights of a triangle's ends over the planes ``columns[:, first:last]`` (4, p)."""
+    nx, ny, nz = columns[0, first:last], columns[1, first:last], columns[2, first:last]
+    d = columns[3, first:last]
+    ax, ay, az = local[0, 0], local[0, 1], local[0, 2]
+    bx, by, bz = local[1, 0], local[1, 1], local[1, 2]
+    cx, cy, cz = local[2, 0], local[2, 1], local[2, 2]
     for f in range(nx.shape[0]):
-        out[f] = nx[f] * x + ny[f] * y + nz[f] * z - d[f]
+        ha = nx[f] * ax + ny[f] * ay + nz[f] * az - d[f]
+        hb = nx[f] * bx + ny[f] * by + nz[f] * bz - d[f]
+        hc = nx[f] * cx + ny[f] * cy + nz[f] * cz - d[f]
+        low[f], top[f] = min(min(ha, hb), hc), max(max(ha, hb), hc)
 
 
 @inner
 def _cut_polygon(planes: np.ndarray, cut: int, margin: float, clip: Any) -> int:
     """Clip the triangle in ``clip.polygon`` by the planes in ``clip.cutting``; corners left."""
-    polygon, spare = clip.polygon, clip.spare
-    count = 3
-    swapped = False
+    over, count = clip.over, 3
     for e in range(cut):
-        f = clip.cutting[e]
+        lowest, highest = _heights_of_corners(planes, clip.cutting[e], margin, count, clip)
+        if lowest > 0.0:
+            return 0
+        if highest <= 0.0:
+            continue
         kept = 0
         for v in range(count):
             w = v + 1 if v + 1 < count else 0
-            hp = height_over(planes, f, polygon[v, 0], polygon[v, 1], polygon[v, 2]) - margin
-            hq = height_over(planes, f, polygon[w, 0], polygon[w, 1], polygon[w, 2]) - margin
-            if hp <= 0.0:
+            if over[v] <= 0.0:
                 for a in range(3):
-                    spare[kept, a] = polygon[v, a]
+                    clip.spare[kept, a] = clip.polygon[v, a]
                 kept += 1
-            if (hp < 0.0 and hq > 0.0) or (hp > 0.0 and hq < 0.0):
-                t = hp / (hp - hq)
+            if (over[v] < 0.0 and over[w] > 0.0) or (over[v] > 0.0 and over[w] < 0.0):
+                t = over[v] / (over[v] - over[w])
                 for a in range(3):
-                    spare[kept, a] = polygon[v, a] + t * (polygon[w, a] - polygon[v, a])
+                    p, q = clip.polygon[v, a], clip.polygon[w, a]
+                    clip.spare[kept, a] = p + t * (q - p)
                 kept += 1
-        if kept == 0:
-            return 0
-        polygon, spare = spare, polygon
-        swapped = not swapped
         count = min(kept, POLYGON - 2)
-    if swapped:
         for v in range(count):
             for a in range(3):
-                clip.polygon[v, a] = polygon[v, a]
+                clip.polygon[v, a] = clip.spare[v, a]
     return count
+
+
+@leaf
+def _heights_of_corners(
+    planes: np.ndarray, f: int, margin: float, count: int, clip: Any
+) -> tuple[float, float]:
+    """Heights [m] of a polygon's corners over a plane moved out, into ``clip.over``; the ends."""
+    lowest, highest = 1e9, -1e9
+    for v in range(count):
+        x, y, z = clip.polygon[v, 0], clip.polygon[v, 1], clip.polygon[v, 2]
+        clip.over[v] = height_over(planes, f, x, y, z) - margin
+        lowest, highest = min(lowest, clip.over[v]), max(highest, clip.over[v])
+    return lowest, highest

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from medkit.grasping.closing.body_kernels import apart, clip_to_body, height_over, to_link
-from medkit.grasping.closing.kernel_options import entry, inner
+from medkit.grasping.closing.body_kernels import apart, clip_to_body, to_link
+from medkit.grasping.closing.kernel_options import inner
+from medkit.grasping.closing.sight_kernels import height_over
 from medkit.grasping.closing.tree_kernels import collect_faces
 
 #: Columns of a row: point (3), inward normal (3), body, gap, face, squared distance to the rows
@@ -19,6 +20,18 @@ SPOTS = 4096
 NUDGE = 2e-5
 #: Gaps [m] this close count as equal when the deepest contact is chosen.
 TIE = 1e-5
+
+
+class Reading(NamedTuple):
+    """What counts as a contact, see `hand_contacts`, and room for candidates and contacts."""
+
+    wanted: np.ndarray
+    tolerance: float
+    separation: float
+    least: float
+    most: int
+    spots: np.ndarray
+    contacts: np.ndarray
 
 
 @inner
@@ -150,38 +163,27 @@ def _furthest_from(spots: np.ndarray, count: int, taken: int) -> int:
     return best
 
 
-@entry
-def hand_contacts(
-    field: Any,
-    hand: Any,
-    wanted: np.ndarray,
-    tolerance: float,
-    separation: float,
-    least: float,
-    most: int,
-    spots: np.ndarray,
-    contacts: np.ndarray,
-    work: Any,
-) -> int:
-    """Contacts of the `wanted` (b,) bodies of a closed hand, as rows of `contacts`; how many.
+@inner
+def hand_contacts(field: Any, hand: Any, reading: Any, work: Any) -> int:
+    """Contacts of a closed hand as rows of ``reading.contacts``; how many.
 
-    Of every body: the face part within `tolerance` [m] whose outward normal opposes the body's
-    own by at least the cosine `least`; of it the deepest point, then each time the point
-    furthest from those taken, while it keeps `separation` [m], at most `most` of a body.
+    Of every body: the face part within ``tolerance`` [m] whose outward normal opposes the body's
+    own by at least the cosine ``least``; of it the deepest point, then each time the point
+    furthest from those taken, while it keeps ``separation`` [m], at most ``most`` of a body.
     Expects the links placed in `work.poses`, and `work.slack` as these poses leave it.
     """
-    total = 0
+    spots, contacts, total = reading.spots, reading.contacts, 0
     for body in range(hand.body_link.shape[0]):
-        if not wanted[body] or work.slack[body] > tolerance:
+        if not reading.wanted[body] or work.slack[body] > reading.tolerance:
             continue
-        count = _spots_of_body(field, hand, body, tolerance, least, spots, work)
+        count = _spots_of_body(field, hand, body, reading.tolerance, reading.least, spots, work)
         if count == 0:
             continue
         for s in range(count):
             spots[s, 9] = 1e9
         chosen = _deepest(spots, count, work.poses[hand.body_link[body]])
         first = total
-        while total - first < most and spots[chosen, 9] >= separation * separation:
+        while total - first < reading.most and spots[chosen, 9] >= reading.separation**2:
             for c in range(COLUMNS):
                 contacts[total, c] = spots[chosen, c]
             total += 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import NamedTuple
 
 import numpy as np
@@ -9,34 +10,51 @@ from numpy.typing import NDArray
 
 from medkit.geometry import Floats
 
-#: Most pieces of triangles in one leaf.
-LEAF = 4
+#: Children of a node and pieces of a leaf, at most: a block of balls that is looked at as one.
+FAN = 8
+#: Radius [m] of what does not exist.
+NOTHING = -1e30
 
 
 class FaceTree(NamedTuple):
-    """A balanced binary tree over pieces of triangles (arrays only, so that kernels take it).
+    """A balanced tree over pieces of triangles (arrays only, so that kernels take it).
 
-    Node n has the children 2 n + 1 and 2 n + 2; the last ``len(starts) - 1`` nodes are leaves.
+    Nodes are numbered by level from the root, node 0, which has `fan` children; all others have
+    FAN. The leaves come last.
 
     Attributes
     ----------
-    balls : ndarray, shape (2 l - 1, 4)
-        A ball around all that a node holds: middle and radius [m].
+    blocks : ndarray, shape (n, 4 * FAN), float32
+        Balls around what is below each child of a node, for a leaf around each of its pieces:
+        FAN numbers x of the middles, then y, z and the radii [m], rounded upwards.
+    fan : int
+        Children of the root.
+    first_leaf : int
+        The first leaf's number.
     starts : ndarray of int, shape (l + 1,)
-        Leaf k holds the pieces ``starts[k]:starts[k + 1]``.
+        Leaf k, node ``first_leaf + k``, holds the pieces ``starts[k]:starts[k + 1]``.
     pieces : ndarray, shape (p, 3, 3)
         Corners of the pieces [m].
-    piece_balls : ndarray, shape (p, 4)
-        The smallest ball around each piece [m].
     faces : ndarray of int, shape (p,)
         The triangle of the object that each piece is from.
     """
 
-    balls: Floats
+    blocks: NDArray[np.float32]
+    fan: int
+    first_leaf: int
     starts: NDArray[np.int64]
     pieces: Floats
-    piece_balls: Floats
     faces: NDArray[np.int64]
+
+
+class BallTree(NamedTuple):
+    """The order in which things are leaves of a tree, and the tree, see `FaceTree`."""
+
+    order: NDArray[np.int64]
+    blocks: NDArray[np.float32]
+    fan: int
+    first_leaf: int
+    starts: NDArray[np.int64]
 
 
 def face_tree(pieces: Floats, faces: NDArray[np.int32]) -> FaceTree:
@@ -46,29 +64,54 @@ def face_tree(pieces: Floats, faces: NDArray[np.int32]) -> FaceTree:
     --------
     >>> corners = np.eye(3)[None] + np.arange(9.0)[:, None, None]
     >>> tree = face_tree(corners, np.arange(9, dtype=np.int32))
-    >>> len(tree.starts) - 1, len(tree.balls)
-    (4, 7)
+    >>> len(tree.starts) - 1, tree.blocks.shape
+    (2, (3, 32))
     """
-    depth = max(int(np.ceil(np.log2(len(pieces) / LEAF))), 0)
-    balls = smallest_balls(pieces)
-    order = np.arange(len(pieces))
-    for level in range(depth):
-        starts = _starts(len(pieces), level)
-        points = balls[order, :3]
-        low = np.minimum.reduceat(points, starts[:-1])
-        longest = (np.maximum.reduceat(points, starts[:-1]) - low).argmax(axis=1)
+    order, blocks, fan, first_leaf, starts = ball_tree(pieces, smallest_balls(pieces))
+    ordered = np.ascontiguousarray(pieces[order], dtype=float)
+    return FaceTree(blocks, fan, first_leaf, starts, ordered, faces[order].astype(np.int64))
+
+
+def ball_tree(corners: Floats, balls: Floats) -> BallTree:
+    """Build the tree of things that are given by their corners (p, c, 3) and balls (p, 4)."""
+    depth = max(int(np.ceil(np.log2(len(corners) / FAN))), 0)
+    order = _halved(balls[:, :3], depth)
+    # three halvings make a level of the tree; what is left over comes first
+    levels = [0, *range((depth - 1) % 3 + 1, depth + 1, 3)] if depth else [0]
+    blocks = []
+    for above, below in itertools.pairwise(levels):
+        children = _node_balls(corners[order], _starts(len(corners), below))
+        blocks.append(_blocks(children, np.arange(2**above + 1) * 2 ** (below - above)))
+    starts = _starts(len(corners), depth)
+    first_leaf = sum(len(level) for level in blocks)
+    blocks.append(_blocks(balls[order], starts))
+    return BallTree(order, np.vstack(blocks), 2 ** levels[1] if depth else FAN, first_leaf, starts)
+
+
+def _halved(points: Floats, depth: int) -> NDArray[np.int64]:
+    """Order of points (p, 3) in which halves of halves, and so on, are neighbours in space."""
+    order = np.arange(len(points))
+    for level in range(depth + 1):
+        starts = _starts(len(points), level)
+        ordered = points[order]
+        low = np.minimum.reduceat(ordered, starts[:-1])
+        longest = (np.maximum.reduceat(ordered, starts[:-1]) - low).argmax(axis=1)
         node = np.repeat(np.arange(len(longest)), np.diff(starts))
-        along = points[np.arange(len(points)), longest[node]]
+        along = ordered[np.arange(len(points)), longest[node]]
         order = order[np.lexsort((along, node))]
-    sorted_pieces = np.ascontiguousarray(pieces[order], dtype=float)
-    nodes = [_node_balls(sorted_pieces, _starts(len(pieces), level)) for level in range(depth + 1)]
-    return FaceTree(
-        np.vstack(nodes),
-        _starts(len(pieces), depth),
-        sorted_pieces,
-        balls[order],
-        faces[order].astype(np.int64),
-    )
+    return order
+
+
+def _blocks(balls: Floats, starts: NDArray[np.int64]) -> NDArray[np.float32]:
+    """Blocks (n, 4 * FAN) of the balls ``starts[k]:starts[k + 1]`` in single precision."""
+    node = np.repeat(np.arange(len(starts) - 1), np.diff(starts))
+    lane = np.arange(len(balls)) - starts[node]
+    blocks = np.zeros((len(starts) - 1, 4, FAN), dtype=np.float32)
+    blocks[:, 3] = NOTHING
+    blocks[node, :3, lane] = balls[:, :3]
+    moved = np.linalg.norm(blocks[node, :3, lane] - balls[:, :3], axis=1)
+    blocks[node, 3, lane] = np.nextafter((balls[:, 3] + moved).astype(np.float32), np.float32(1e9))
+    return blocks.reshape(-1, 4 * FAN)
 
 
 def _starts(count: int, level: int) -> NDArray[np.int64]:

@@ -11,10 +11,8 @@ from typing import Any
 import numpy as np
 
 from medkit.grasping.closing.body_kernels import to_link, touches
-from medkit.grasping.closing.chain_kernels import place_links as place_links
-from medkit.grasping.closing.chain_kernels import set_joint
-from medkit.grasping.closing.kernel_options import entry, inner
-from medkit.grasping.closing.retreat_kernels import retreat as retreat
+from medkit.grasping.closing.chain_kernels import place_links, set_joint
+from medkit.grasping.closing.kernel_options import inner
 from medkit.grasping.closing.self_kernels import (
     SELF_DEPTH,
     forget_rooms,
@@ -158,13 +156,13 @@ def _before_self(
     return low
 
 
-@entry
+@inner
 def close_fingers(
     field: Any, hand: Any, base: np.ndarray, q: np.ndarray, stops: np.ndarray, work: Any
 ) -> None:
     """Close finger by finger, joint by joint from palm to tip; `stops` (k,) says how each ended.
 
-    Expects ``work`` as `retreat` left it: with the slack of all bodies at this base and `q`.
+    Expects ``work`` as `draw_back` left it: with the slack of all bodies at this base and `q`.
     """
     place_links(hand, q, base, work)
     for step in range(hand.joint.shape[0]):

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from medkit.geometry import Floats, unit
 from medkit.grasping.closing.hull_tables import HullTable, hull_table, least_width
 from medkit.grasping.closing.self_kernels import least_gap
+from medkit.grasping.closing.sight_kernels import sight
+from medkit.grasping.closing.surface_table import SurfaceTable, surface_table
 from medkit.robots.hand import Hand, LinkBody
 
 Ints = NDArray[np.int64]
@@ -19,12 +21,6 @@ Ints = NDArray[np.int64]
 #: Longest sweep of a body [m], and its share of the body's least width, of which the end alone is
 #: tested against the object: so that nothing is jumped over.
 WINDOW, WIDTH_SHARE = 0.008, 0.6
-#: Spacing of the samples on a body's surface [m].
-SAMPLE_SPACING = 0.004
-#: Most samples in one group.
-GROUP_SIZE = 8
-#: Groups in one cluster; neighbouring groups lie together, as they come from halving.
-CLUSTER = 8
 #: Pairs of bodies that never come closer than this in the probed configurations are dropped [m].
 NEVER_NEAR, PROBES = 0.0015, 400
 
@@ -37,10 +33,10 @@ class ClosingHand(NamedTuple):
     """A hand prepared for closing (arrays only, so that kernels take it).
 
     The first seven arrays are those of `KinematicTree`. Body b has its planes in ``hulls``, the
-    least ``width`` [m], the ``window`` that it is swept at once [m] and ``samples`` on its
-    surface, in groups with a ball each and clusters of groups with another. Of closing step k:
-    coordinate ``joint[k]`` moves with ``closing[k]``, and with it the links ``moved_link`` and
-    the bodies ``moved_body``, whose points travel at most ``lever`` [m/rad or 1] per unit.
+    least ``width`` [m], the ``window`` that it is swept at once [m] and samples of its ``surface``.
+    Of closing step k: coordinate ``joint[k]`` moves with ``closing[k]``, and with it the links
+    ``moved_link`` and the bodies ``moved_body``, whose points travel at most ``lever`` [m/rad or
+    1] per unit.
     """
 
     parent: Ints
@@ -56,15 +52,7 @@ class ClosingHand(NamedTuple):
     ball_radius: Floats
     width: Floats
     window: Floats
-    group_start: Ints
-    group_center: Floats
-    group_radius: Floats
-    cluster_start: Ints
-    cluster_group: Ints
-    cluster_center: Floats
-    cluster_radius: Floats
-    sample_start: Ints
-    samples: Floats
+    surface: SurfaceTable
     partner_start: Ints
     partner: Ints
     limits: Floats
@@ -105,13 +93,6 @@ def closing_hand(
     """
     hulls = hull_table([body.vertices for body in hand.bodies])
     width = np.array([_width(hulls, row, body) for row, body in enumerate(hand.bodies)])
-    samples = [_surface_groups(body) for body in hand.bodies]
-    groups = [group for body_groups in samples for group in body_groups]
-    centers = np.array([0.5 * (g.min(axis=0) + g.max(axis=0)) for g in groups])
-    radii = [
-        float(np.linalg.norm(g - c, axis=1).max()) for g, c in zip(groups, centers, strict=True)
-    ]
-    group_start = _starts([len(body_groups) for body_groups in samples])
     steps = _closing_steps(hand, finger_order)
     # copies: kernels are compiled for writable arrays
     tree = {name: getattr(hand.tree, name).copy() for name in TREE}
@@ -123,12 +104,7 @@ def closing_hand(
         ball_radius=np.array([_reach(body, _box_center(body)) for body in hand.bodies]),
         width=width,
         window=np.minimum(WINDOW, WIDTH_SHARE * width),
-        group_start=group_start,
-        group_center=centers,
-        group_radius=np.array(radii),
-        **_clusters(group_start, groups),
-        sample_start=_starts([len(group) for group in groups]),
-        samples=np.vstack(groups),
+        surface=surface_table(hand.bodies),
         partner_start=np.zeros(len(hand.bodies) + 1, dtype=np.int64),
         partner=np.zeros(0, dtype=np.int64),
         limits=np.array(hand.limits, dtype=float),
@@ -154,51 +130,6 @@ def _reach(body: LinkBody, point: Floats) -> float:
 def _width(hulls: HullTable, row: int, body: LinkBody) -> float:
     planes = hulls.planes[hulls.plane_start[row] : hulls.plane_start[row + 1]]
     return least_width(planes, body.vertices)
-
-
-def _surface_groups(body: LinkBody) -> list[Floats]:
-    """Samples of a body's surface in compact groups."""
-    import trimesh
-
-    vertices, _ = trimesh.remesh.subdivide_to_size(
-        body.vertices, body.faces, max_edge=0.5 * SAMPLE_SPACING, max_iter=20
-    )
-    return _halved(_thinned(vertices, SAMPLE_SPACING))
-
-
-def _thinned(points: Floats, spacing: float) -> Floats:
-    """Keep in each cell of a lattice the point nearest to the others."""
-    _, cell = np.unique(np.floor(points / spacing), axis=0, return_inverse=True)
-    cell = cell.ravel()
-    counts = np.bincount(cell)
-    means = np.column_stack([np.bincount(cell, weights=column) / counts for column in points.T])
-    off = np.linalg.norm(points - means[cell], axis=1)
-    order = np.lexsort((off, cell))
-    return np.asarray(points[order[np.concatenate([[True], np.diff(cell[order]) > 0])]])
-
-
-def _halved(points: Floats) -> list[Floats]:
-    """Halve a set of points across its longest extent until each part is small enough."""
-    if len(points) <= GROUP_SIZE:
-        return [points]
-    order = np.argsort(points[:, np.ptp(points, axis=0).argmax()], kind="stable")
-    half = len(points) // 2
-    return _halved(points[order[:half]]) + _halved(points[order[half:]])
-
-
-def _clusters(group_start: Ints, groups: list[Floats]) -> dict[str, NDArray]:
-    """Balls around neighbouring groups of each body; cluster c has those from ``cluster_group``."""
-    firsts = [np.arange(a, b, CLUSTER) for a, b in itertools.pairwise(group_start)]
-    cluster_group = np.concatenate([*firsts, group_start[-1:]]).astype(np.int64)
-    points = [np.vstack(groups[a:b]) for a, b in itertools.pairwise(cluster_group)]
-    centers = np.array([0.5 * (p.min(axis=0) + p.max(axis=0)) for p in points])
-    radii = [np.linalg.norm(p - c, axis=1).max() for p, c in zip(points, centers, strict=True)]
-    return {
-        "cluster_start": _starts([len(rows) for rows in firsts]),
-        "cluster_group": cluster_group,
-        "cluster_center": centers,
-        "cluster_radius": np.array(radii),
-    }
 
 
 def _closing_steps(hand: Hand, finger_order: tuple[str, ...] | None) -> dict[str, NDArray]:
@@ -249,7 +180,7 @@ def _partners(hand: Hand, built: ClosingHand) -> tuple[Ints, Ints]:
     configurations = hand.limits[:, 0] + spread * (hand.limits[:, 1] - hand.limits[:, 0])
     poses = hand.tree.link_poses(configurations)
     start = hand.tree.link_poses(built.preshape)[None]
-    scratch = np.zeros((3, 4))
+    scratch = sight()
     pairs = []
     for a, b in hand.self_collision_pairs:
         if least_gap(built, a, b, start, NEVER_NEAR, scratch) < -1e-4:

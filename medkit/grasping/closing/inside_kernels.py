@@ -44,10 +44,9 @@ def way_out_of_inside(
 
     A sample inside stays inside until it leaves, so no free pose is passed over.
     """
-    for s in range(
-        hand.sample_start[hand.group_start[body]], hand.sample_start[hand.group_start[body + 1]]
-    ):
-        x, y, z = moved(pose, hand.samples, s)
+    surface = hand.surface
+    for s in range(surface.start[body], surface.start[body + 1]):
+        x, y, z = moved(pose, surface.samples, s)
         depth = 1.0
         while depth > 0.0:
             depth = depth_at(
@@ -64,10 +63,9 @@ def is_inside(field: Any, hand: Any, body: int, pose: np.ndarray) -> bool:
     All of it is on one side then: the first sample that is well away from the surface tells,
     and a body without any is outside.
     """
-    for s in range(
-        hand.sample_start[hand.group_start[body]], hand.sample_start[hand.group_start[body + 1]]
-    ):
-        x, y, z = moved(pose, hand.samples, s)
+    surface = hand.surface
+    for s in range(surface.start[body], surface.start[body + 1]):
+        x, y, z = moved(pose, surface.samples, s)
         i, j, k, within = node_at(field, x, y, z)
         if not within:
             return False

@@ -14,7 +14,7 @@ from medkit.grasping.closing.body_kernels import moved, to_link, touches
 from medkit.grasping.closing.chain_kernels import place_links
 from medkit.grasping.closing.finger_kernels import FINEST, HORIZON
 from medkit.grasping.closing.inside_kernels import is_inside
-from medkit.grasping.closing.kernel_options import entry, inner
+from medkit.grasping.closing.kernel_options import inner
 from medkit.grasping.closing.self_kernels import SELF_DEPTH, self_clearance
 from medkit.grasping.closing.tree_kernels import meet
 
@@ -265,7 +265,7 @@ def close_until_touch(
             return met
 
 
-@entry
+@inner
 def close_pads(
     field: Any,
     hand: Any,

@@ -13,14 +13,14 @@ import numpy as np
 from medkit.grasping.closing.body_kernels import (
     apart,
     clip_to_body,
-    height_over,
-    hint_at,
     to_link,
 )
 from medkit.grasping.closing.chain_kernels import place_links
+from medkit.grasping.closing.face_tree import FAN
 from medkit.grasping.closing.inside_kernels import is_inside, way_out_of_inside
-from medkit.grasping.closing.kernel_options import entry, inner
-from medkit.grasping.closing.tree_kernels import ball_in_link, meet
+from medkit.grasping.closing.kernel_options import inner, leaf
+from medkit.grasping.closing.sight_kernels import first_child, height_over, look_at
+from medkit.grasping.closing.tree_kernels import meet
 
 #: A retreat ends this far [m] from touching, so that the pose itself is free.
 CLEAR = 1e-6
@@ -33,8 +33,8 @@ FAR = 0.05
 BUDGET = 24
 
 
-@entry
-def retreat(
+@inner
+def draw_back(
     field: Any,
     hand: Any,
     q: np.ndarray,
@@ -69,7 +69,7 @@ def retreat(
             for body in range(bodies):
                 work.slack[body] -= need
             clean = 0
-        need = _way_out(field, hand, turn, approach, work)
+        need = _way_out(field, hand, turn, need > 0.0, approach, work)
         if need > 0.0:
             need += extra
             extra = min(1.5 * extra, COARSEST)
@@ -95,84 +95,95 @@ def _set_slopes(hand: Any, body: int, pose: np.ndarray, approach: np.ndarray, wo
 
 
 @inner
-def _way_out(field: Any, hand: Any, body: int, approach: np.ndarray, work: Any) -> float:
-    """Least further retreat [m] that a body needs, as far as its present hits tell; 0 if free."""
+def _way_out(
+    field: Any, hand: Any, body: int, again: bool, approach: np.ndarray, work: Any
+) -> float:
+    """Least further retreat [m] that a body needs, as far as its present hits tell; 0 if free.
+
+    A body that was hit before (`again`) is asked for hits first, else for its gap.
+    """
     if work.slack[body] > 0.0:
         return 0.0
     pose = work.poses[hand.body_link[body]]
+    if again:
+        way = _way_of_hits(field.tree, hand.hulls, body, pose, work)
+        if way >= 0.0:
+            return way + CLEAR
     work.slack[body] = max(0.0, meet(field.tree, hand.hulls, body, pose, 0.0, FAR, work))
-    if work.hit[0] < 0:
-        if is_inside(field, hand, body, pose):
-            return way_out_of_inside(field, hand, body, pose, approach, 0.0) + CLEAR
-        return 0.0
-    return _way_of_hits(field.tree, hand.hulls, body, pose, work) + CLEAR
+    if work.hit[0] >= 0:
+        return max(_way_of_hits(field.tree, hand.hulls, body, pose, work), 0.0) + CLEAR
+    if is_inside(field, hand, body, pose):
+        return way_out_of_inside(field, hand, body, pose, approach, 0.0) + CLEAR
+    return 0.0
 
 
 @inner
 def _way_of_hits(tree: Any, hulls: Any, body: int, pose: np.ndarray, work: Any) -> float:
-    """Retreat [m] that points of the object now in a body need at the least to leave it."""
-    stack, clip = work.stack, work.clip
-    leaves = tree.starts.shape[0] - 1
-    need, exit_plane = 0.0, np.int64(-1)
+    """Retreat [m] that points of the object now in a body need at the least; -1 without any."""
+    sight, clip = work.sight, work.clip
+    stack = sight.stack
+    need, exit_plane = -1.0, np.int64(-1)
     stack[0] = 0
     top, clipped = 1, 0
     while top > 0 and clipped < BUDGET:
         top -= 1
         node = stack[top]
-        if _ball_is_settled(hulls, body, pose, tree.balls, node, need, exit_plane, work):
+        look_at(tree.blocks[node], hulls, body, pose, sight)
+        radii = tree.blocks[node, 3 * FAN :]
+        if node < tree.first_leaf:
+            child = first_child(tree.fan, node)
+            for k in range(FAN - 1, -1, -1):
+                if not _is_settled(hulls, k, radii[k], need, exit_plane, work):
+                    stack[top] = child + k
+                    top += 1
             continue
-        if node < leaves - 1:
-            stack[top], stack[top + 1] = 2 * node + 2, 2 * node + 1
-            top += 2
-            continue
-        row = node - leaves + 1
-        for piece in range(tree.starts[row], tree.starts[row + 1]):
-            if _ball_is_settled(hulls, body, pose, tree.piece_balls, piece, need, exit_plane, work):
+        first = tree.starts[node - tree.first_leaf]
+        for k in range(FAN):
+            if _is_settled(hulls, k, radii[k], need, exit_plane, work):
                 continue
-            to_link(pose, tree.pieces[piece], clip.local)
+            to_link(pose, tree.pieces[first + k], clip.local)
             if apart(hulls, body, 0.0, clip.local):
                 continue
             corners = clip_to_body(hulls, body, 0.0, clip)
             clipped += 1 if corners > 0 else 0
             for v in range(corners):
-                way, plane = _way_of_corner(hulls, body, clip.polygon, v, work)
-                if way > need:
-                    need, exit_plane = way, plane
+                need, exit_plane = _way_of_corner(hulls, body, v, need, exit_plane, work)
     return need
 
 
-@inner
-def _ball_is_settled(
-    hulls: Any,
-    body: int,
-    pose: np.ndarray,
-    balls: np.ndarray,
-    row: int,
-    need: float,
-    exit_plane: int,
-    work: Any,
-) -> bool:
-    """Whether a ball is apart from a body, or leaves it before `need` through the plane known."""
-    x, y, z = ball_in_link(pose, balls, row)
-    f = hint_at(hulls, body, x, y, z)
-    if height_over(hulls.planes, max(f, -1 - f), x, y, z) > balls[row, 3]:
+@leaf
+def _is_settled(hulls: Any, k: int, radius: float, need: float, exit_plane: int, work: Any) -> bool:
+    """Whether ball k looked at is apart from a body, or leaves it before `need` as is known."""
+    if work.sight.gap[k] > 0.0:
         return True
     if exit_plane < 0:
         return False
+    middle = work.sight.middle
+    x, y, z = middle[k], middle[FAN + k], middle[2 * FAN + k]
     height = height_over(hulls.planes, exit_plane, x, y, z)
-    return balls[row, 3] - height <= need * work.slope[exit_plane]
+    return radius - height <= need * work.slope[exit_plane]
 
 
 @inner
 def _way_of_corner(
-    hulls: Any, body: int, polygon: np.ndarray, v: int, work: Any
+    hulls: Any, body: int, v: int, need: float, exit_plane: int, work: Any
 ) -> tuple[float, int]:
-    """Retreat [m] after which a point in a body leaves it, and the plane through which."""
+    """`need` [m] and `exit_plane`, or what corner v of the part in a body needs where more."""
+    polygon, planes = work.clip.polygon, hulls.planes
+    x, y, z = polygon[v, 0], polygon[v, 1], polygon[v, 2]
+    # most corners leave through the same plane as the one that needs most
+    if (
+        exit_plane >= 0
+        and -height_over(planes, exit_plane, x, y, z) <= need * work.slope[exit_plane]
+    ):
+        return need, exit_plane
     way = 1e9
     plane: Any = np.int64(-1)
     for f in range(hulls.plane_start[body], hulls.plane_start[body + 1]):
         if work.slope[f] > 1e-9:
-            height = height_over(hulls.planes, f, polygon[v, 0], polygon[v, 1], polygon[v, 2])
-            if -height < way * work.slope[f]:
-                way, plane = max(-height, 0.0) / work.slope[f], f
+            depth = -height_over(planes, f, x, y, z)
+            if depth <= need * work.slope[f]:
+                return need, exit_plane
+            if depth < way * work.slope[f]:
+                way, plane = max(depth, 0.0) / work.slope[f], f
     return way, plane

@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from medkit.grasping.closing.body_kernels import height_over, moved, sure_height
+from medkit.grasping.closing.face_tree import FAN
 from medkit.grasping.closing.kernel_options import entry, inner, leaf
+from medkit.grasping.closing.sight_kernels import first_child, height_over, look_at, push_near
 
 #: Depth [m] to which samples of two bodies of the hand may overlap before they count as touching.
 SELF_DEPTH = 0.0005
@@ -89,7 +90,7 @@ def pair_gap(hand: Any, a: int, e: int, enough: float, work: Any) -> float:
     pose_a, pose_b = work.poses[hand.body_link[a]], work.poses[hand.body_link[b]]
     if balls_gap(hand, a, pose_a, b, pose_b) >= enough:
         return enough
-    return bodies_gap(hand, a, pose_a, b, pose_b, enough, work.at_joint)
+    return bodies_gap(hand, a, pose_a, b, pose_b, enough, work.sight)
 
 
 @inner
@@ -105,76 +106,59 @@ def balls_gap(hand: Any, a: int, pose_a: np.ndarray, b: int, pose_b: np.ndarray)
 
 
 @entry
-def least_gap(
-    hand: Any, a: int, b: int, poses: np.ndarray, enough: float, relative: np.ndarray
-) -> float:
+def least_gap(hand: Any, a: int, b: int, poses: np.ndarray, enough: float, sight: Any) -> float:
     """Least gap [m] between two bodies over link poses (n, l, 4, 4); `enough` when beyond."""
     best = enough
     for row in range(poses.shape[0]):
         pose_a, pose_b = poses[row, hand.body_link[a]], poses[row, hand.body_link[b]]
-        best = bodies_gap(hand, a, pose_a, b, pose_b, best, relative)
+        best = bodies_gap(hand, a, pose_a, b, pose_b, best, sight)
     return best
 
 
 @entry
 def bodies_gap(
-    hand: Any,
-    a: int,
-    pose_a: np.ndarray,
-    b: int,
-    pose_b: np.ndarray,
-    enough: float,
-    relative: np.ndarray,
+    hand: Any, a: int, pose_a: np.ndarray, b: int, pose_b: np.ndarray, enough: float, sight: Any
 ) -> float:
-    """Least height [m] of samples of each body over the other's planes; `enough` when beyond.
-
-    `relative` (3, 4) or larger is scratch.
-    """
-    best = _samples_over(hand, a, pose_a, b, pose_b, enough, relative)
-    return _samples_over(hand, b, pose_b, a, pose_a, best, relative)
+    """Least height [m] of samples of each body over the other's planes; `enough` when beyond."""
+    best = _samples_over(hand, a, pose_a, b, pose_b, enough, sight)
+    return _samples_over(hand, b, pose_b, a, pose_a, best, sight)
 
 
 @inner
 def _samples_over(
-    hand: Any,
-    a: int,
-    pose_a: np.ndarray,
-    b: int,
-    pose_b: np.ndarray,
-    enough: float,
-    relative: np.ndarray,
+    hand: Any, a: int, pose_a: np.ndarray, b: int, pose_b: np.ndarray, enough: float, sight: Any
 ) -> float:
     """Least height [m] of the samples of body a over the planes of body b."""
-    best = enough
+    relative, surface, best = sight.relative, hand.surface, enough
     for i in range(3):
         for j in range(4):
             relative[i, j] = 0.0
             for k in range(3):
-                offset = pose_b[k, 3] if j == 3 else 0.0
-                relative[i, j] += pose_b[k, i] * (pose_a[k, j] - offset)
-    x, y, z = moved(relative, hand.ball_center, a)
-    if sure_height(hand.hulls, b, x, y, z) >= best + hand.ball_radius[a]:
-        return best
-    for c in range(hand.cluster_start[a], hand.cluster_start[a + 1]):
-        x, y, z = moved(relative, hand.cluster_center, c)
-        if sure_height(hand.hulls, b, x, y, z) < best + hand.cluster_radius[c]:
-            best = _cluster_over(hand, c, b, best, relative)
+                offset = pose_a[k, 3] if j == 3 else 0.0
+                relative[i, j] += pose_a[k, i] * (pose_b[k, j] - offset)
+    sight.stack[0], sight.bounds[0] = 0, -1e9
+    top: Any = np.int64(1)
+    while top > 0:
+        top -= 1
+        if sight.bounds[top] >= best:
+            continue
+        node = sight.stack[top]
+        look_at(surface.blocks[surface.root[a] + node], hand.hulls, b, relative, sight)
+        if node < surface.first_leaf[a]:
+            top = push_near(first_child(surface.fan[a], node), best, sight, top)
+        else:
+            best = _leaf_over(hand.hulls, b, best, sight)
     return best
 
 
 @leaf
-def _cluster_over(hand: Any, c: int, b: int, enough: float, relative: np.ndarray) -> float:
-    """Least height [m] of the samples of one cluster over the planes of body b."""
-    best = enough
-    for g in range(hand.cluster_group[c], hand.cluster_group[c + 1]):
-        x, y, z = moved(relative, hand.group_center, g)
-        if sure_height(hand.hulls, b, x, y, z) >= best + hand.group_radius[g]:
-            continue
-        for s in range(hand.sample_start[g], hand.sample_start[g + 1]):
-            x, y, z = moved(relative, hand.samples, s)
-            # one plane tells of most samples that they are too high to count
-            if sure_height(hand.hulls, b, x, y, z) < best:
-                best = min(best, _height(hand.hulls, b, x, y, z, best))
+def _leaf_over(hulls: Any, body: int, enough: float, sight: Any) -> float:
+    """Least height [m] of the samples looked at over the planes of a body."""
+    best, middle = enough, sight.middle
+    for k in range(FAN):
+        if sight.gap[k] < best:
+            x, y, z = middle[k], middle[FAN + k], middle[2 * FAN + k]
+            best = min(best, _height(hulls, body, x, y, z, best))
     return best
 
 

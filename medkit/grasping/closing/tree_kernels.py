@@ -10,39 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from medkit.grasping.closing.body_kernels import (
-    hint_at,
-    lowest_corner,
-    sure_height,
-    to_link,
-    touches,
-)
+from medkit.grasping.closing.body_kernels import lowest_corner, to_link, touches
+from medkit.grasping.closing.face_tree import FAN
 from medkit.grasping.closing.kernel_options import inner, leaf
+from medkit.grasping.closing.sight_kernels import first_child, look_at, push_near
 
 #: Share of the gap that is worth knowing: the rest would take a walk to every face in sight.
 SHARE = 0.7
 #: A hit is passed over for another that may reach so much deeper [m].
 DEEPER = 0.003
-
-
-@leaf
-def ball_in_link(pose: np.ndarray, balls: np.ndarray, row: int) -> tuple[float, float, float]:
-    """Middle of one of many balls (n, 4), in a link's frame."""
-    dx = balls[row, 0] - pose[0, 3]
-    dy = balls[row, 1] - pose[1, 3]
-    dz = balls[row, 2] - pose[2, 3]
-    return (
-        pose[0, 0] * dx + pose[1, 0] * dy + pose[2, 0] * dz,
-        pose[0, 1] * dx + pose[1, 1] * dy + pose[2, 1] * dz,
-        pose[0, 2] * dx + pose[1, 2] * dy + pose[2, 2] * dz,
-    )
-
-
-@leaf
-def ball_gap(hulls: Any, body: int, pose: np.ndarray, balls: np.ndarray, row: int) -> float:
-    """Gap [m] between one of many balls (n, 4) and a body at the least."""
-    x, y, z = ball_in_link(pose, balls, row)
-    return sure_height(hulls, body, x, y, z) - balls[row, 3]
 
 
 @leaf
@@ -66,26 +42,19 @@ def meet(
     """
     best = enough
     work.hit[0] = -1
-    stack, bounds = work.stack, work.bounds
-    leaves = tree.starts.shape[0] - 1
-    stack[0], bounds[0] = 0, -1e9
-    top = 1
+    sight = work.sight
+    sight.stack[0], sight.bounds[0] = 0, -1e9
+    top: Any = np.int64(1)
     while top > 0:
         top -= 1
-        if bounds[top] >= _horizon(best, window):
+        if sight.bounds[top] >= _horizon(best, window):
             continue
-        node = stack[top]
-        if node >= leaves - 1:
-            best = _meet_leaf(tree, hulls, body, pose, window, node - leaves + 1, best, work)
-            continue
-        first = 2 * node + 1
-        one = ball_gap(hulls, body, pose, tree.balls, first)
-        other = ball_gap(hulls, body, pose, tree.balls, first + 1)
-        # the nearer child goes on top
-        swap = 1 if one < other else 0
-        stack[top], bounds[top] = first + swap, max(one, other)
-        stack[top + 1], bounds[top + 1] = first + 1 - swap, min(one, other)
-        top += 2
+        node = sight.stack[top]
+        look_at(tree.blocks[node], hulls, body, pose, sight)
+        if node >= tree.first_leaf:
+            best = _meet_leaf(tree, hulls, body, pose, window, node, best, work)
+        else:
+            top = push_near(first_child(tree.fan, node), _horizon(best, window), sight, top)
     if best > window:
         return SHARE * best
     return min(best, 0.0)
@@ -102,19 +71,19 @@ def _meet_leaf(
     best: float,
     work: Any,
 ) -> float:
-    """Bring the pieces of one leaf to account; the smaller gap."""
-    for piece in range(tree.starts[node], tree.starts[node + 1]):
-        x, y, z = ball_in_link(pose, tree.piece_balls, piece)
-        if sure_height(hulls, body, x, y, z) - tree.piece_balls[piece, 3] >= _horizon(best, window):
+    """Bring the pieces of the leaf looked at to account; the smaller gap."""
+    first, sight = tree.starts[node - tree.first_leaf], work.sight
+    for k in range(FAN):
+        if sight.gap[k] >= _horizon(best, window):
             continue
-        to_link(pose, tree.pieces[piece], work.clip.local)
-        f = hint_at(hulls, body, x, y, z)
+        to_link(pose, tree.pieces[first + k], work.clip.local)
+        f = sight.plane[k]
         height = lowest_corner(hulls.planes, max(f, -1 - f), work.clip.local)
         if height > 0.0:
             best = min(best, height)
         elif height < best:
             if touches(hulls, body, work.clip):
-                work.hit[0] = piece
+                work.hit[0] = first + k
                 best = height
             else:
                 best = min(best, 0.0)
@@ -126,29 +95,27 @@ def collect_faces(
     tree: Any, hulls: Any, body: int, pose: np.ndarray, margin: float, work: Any
 ) -> int:
     """Faces that may come within `margin` [m] of a body, into ``work.faces``; how many."""
-    stack = work.stack
-    leaves = tree.starts.shape[0] - 1
     work.stamp[0] += 1
     found = 0
-    stack[0] = 0
-    top = 1
+    sight = work.sight
+    sight.stack[0] = 0
+    top: Any = np.int64(1)
     while top > 0:
         top -= 1
-        node = stack[top]
-        if ball_gap(hulls, body, pose, tree.balls, node) > margin:
+        node = sight.stack[top]
+        look_at(tree.blocks[node], hulls, body, pose, sight)
+        if node < tree.first_leaf:
+            top = push_near(first_child(tree.fan, node), margin, sight, top)
             continue
-        if node < leaves - 1:
-            stack[top], stack[top + 1] = 2 * node + 2, 2 * node + 1
-            top += 2
-            continue
-        leaf_row = node - leaves + 1
-        for piece in range(tree.starts[leaf_row], tree.starts[leaf_row + 1]):
-            face = tree.faces[piece]
-            if work.stamps[face] == work.stamp[0]:
+        first = tree.starts[node - tree.first_leaf]
+        for k in range(FAN):
+            if sight.gap[k] > margin or work.stamps[tree.faces[first + k]] == work.stamp[0]:
                 continue
-            if ball_gap(hulls, body, pose, tree.piece_balls, piece) > margin:
-                continue
-            work.stamps[face] = work.stamp[0]
-            work.faces[found] = face
-            found += 1
+            # one plane tells of most pieces that they are too far
+            f = sight.plane[k]
+            to_link(pose, tree.pieces[first + k], work.clip.local)
+            if lowest_corner(hulls.planes, max(f, -1 - f), work.clip.local) <= margin:
+                work.stamps[tree.faces[first + k]] = work.stamp[0]
+                work.faces[found] = tree.faces[first + k]
+                found += 1
     return found
