@@ -12,9 +12,6 @@ if TYPE_CHECKING:
 
 HELP = "check the description of a hand, and draw it open, closed and as it pinches"
 
-#: Friction at which the line between opposed pads still has to lie in their cones (P13 5.1.3).
-FRICTION = 0.5
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the arguments of this subcommand."""
@@ -76,7 +73,7 @@ def precision_finding(hand: Hand) -> Finding:
         grip = precision_grip(hand, idle="power")
     except InputError as error:
         return Finding(NOTE, "precision grip", str(error))
-    opposed = abs(grip.offsets) <= FRICTION * grip.openings
+    opposed = grip.faces(grip.openings)
     narrowest = float(grip.openings[opposed].min(initial=grip.widest))
     text = (
         f"pads oppose each other from {1000 * grip.widest:.0f} to {1000 * narrowest:.0f} mm apart"

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from medkit.grasping.grasp_set import GraspSet
+    from medkit.robots import Hand
 
 HELP = "plan grasps of an object: every tested candidate with its outcome and quality"
 
@@ -97,7 +98,7 @@ def run(args: argparse.Namespace) -> int:
         repairs=repaired.repairs,
     )
     write_outputs(args, found, repaired.mesh, hand)
-    print(summary(found))
+    print(summary(found, passing=passing_pads(found, hand)))
     return 0
 
 
@@ -174,8 +175,34 @@ def write_outputs(args: argparse.Namespace, found: GraspSet, mesh: Any, hand: An
         )
 
 
-def summary(found: GraspSet) -> str:
-    """The result as a table for the terminal."""
+def passing_pads(found: GraspSet, hand: Hand) -> int:
+    """How many precision grasps touch too little where the hand's pads pass each other.
+
+    Parameters
+    ----------
+    found : GraspSet
+        The result.
+    hand : Hand
+        The hand that it was planned for.
+
+    Returns
+    -------
+    int
+        Candidates with too few contacts from spheres at whose diameter the pads do not oppose
+        each other, see `PrecisionGrip.faces`; 0 for other kinds of grasps.
+    """
+    from medkit.grasping.grasp_set import TOO_FEW_CONTACTS
+    from medkit.grasping.precision_grip import precision_grip
+
+    radii = [grasp.sphere_radius for grasp in found.grasps if grasp.outcome == TOO_FEW_CONTACTS]
+    diameters = [2.0 * radius for radius in radii if radius > 0.0]
+    if found.grasp != "precision" or not diameters:
+        return 0
+    return int((~precision_grip(hand).faces(diameters)).sum())
+
+
+def summary(found: GraspSet, *, passing: int = 0) -> str:
+    """The result as a table for the terminal; `passing` is from `passing_pads`."""
     record, total = found.object, len(found)
     size = " x ".join(f"{1000 * edge:.0f}" for edge in record.extents)
     lines = [f"{Path(record.path).name}: {size} mm, hand {found.hand}, planner {found.planner}"]
@@ -186,6 +213,8 @@ def summary(found: GraspSet) -> str:
     lines.append(f"  {found.candidates_found} candidates, {total} tested:")
     for outcome, count in found.outcomes.items():
         meaning = MEANING.get(outcome, "")
+        if outcome == "too_few_contacts" and passing:
+            meaning += f"; for {passing} of them this hand's pads pass each other"
         lines.append(
             f"  {count:6d}  {100 * count / total:5.1f} %  {outcome:20s} {meaning}".rstrip()
         )

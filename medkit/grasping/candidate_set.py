@@ -15,19 +15,50 @@ Ints = NDArray[np.int64]
 
 
 class SphereFate(IntEnum):
-    """What became of a medial sphere on the way to candidate grasps."""
+    """What became of a medial sphere on the way to candidate grasps (P13 4.2 to 4.4).
 
-    AXIS = 0  # on a local symmetry axis: candidates around it
-    RIM = 1  # on the rim of a symmetry sheet: candidates across it
-    INSIDE_SHEET = 2  # inside a sheet: out of reach, no candidates (P13 4.4.3)
+    Attributes
+    ----------
+    AXIS : 0
+        On a local symmetry axis: candidates around it (4.4.1).
+    RIM : 1
+        On the rim of a symmetry sheet: candidates across it (4.4.2).
+    INSIDE_SHEET : 2
+        Inside a sheet: out of reach, no candidates (4.4.3).
+    TOO_FEW_NEIGHBORS : 3
+        No symmetry to be read from so few spheres.
+    OBJECT_ANGLE_TOO_SMALL : 4
+        Of an edge or corner rather than of thickness (4.2.3).
+    BELOW_RADIUS_RATIO : 5
+        Surface detail, against the largest sphere (4.2.4).
+    TOO_LARGE_FOR_HAND : 6
+        Wider than the hand's largest ball.
+    TOO_SMALL_FOR_HAND : 7
+        Thinner than the hand's smallest ball.
+    BALL : 8
+        A single ball: directions from all around (4.4.4).
+    DOMINANT_SPHERE : 9
+        Touches opposing faces: directions across its chords (4.4.4).
+    REPRESENTED : 10
+        Coincides with a ball or dominant sphere that stands for it.
+
+    Examples
+    --------
+    >>> SphereFate(1).name, int(SphereFate.BALL)
+    ('RIM', 8)
+    """
+
+    AXIS = 0
+    RIM = 1
+    INSIDE_SHEET = 2
     TOO_FEW_NEIGHBORS = 3
-    OBJECT_ANGLE_TOO_SMALL = 4  # edges and corners rather than thickness (P13 4.2.3)
-    BELOW_RADIUS_RATIO = 5  # surface detail (P13 4.2.4)
+    OBJECT_ANGLE_TOO_SMALL = 4
+    BELOW_RADIUS_RATIO = 5
     TOO_LARGE_FOR_HAND = 6
     TOO_SMALL_FOR_HAND = 7
-    BALL = 8  # a single ball: directions from all around (P13 4.4.4)
-    DOMINANT_SPHERE = 9  # touches opposing faces: directions across its chords (P13 4.4.4)
-    REPRESENTED = 10  # coincides with a ball or dominant sphere that stands for it
+    BALL = 8
+    DOMINANT_SPHERE = 9
+    REPRESENTED = 10
 
 
 @dataclass(frozen=True)

@@ -148,7 +148,33 @@ def conditions_met(
 
 
 def finger_places(found: CandidateGrasps, room: float, width: float = 0.0) -> Floats:
-    """Where the fingers of each candidate go, on both sides of its sphere, (m, 18, 3) [m]."""
+    """Where the fingers of each candidate go, on both sides of its sphere.
+
+    Parameters
+    ----------
+    found : CandidateGrasps
+        m candidates.
+    room : float
+        Length by which fingers reach and stand off, radius of the hand's largest ball [m].
+    width : float
+        Half the distance of the outer fingers along the closing axis, over `room` [1].
+
+    Returns
+    -------
+    ndarray, shape (m, 18, 3)
+        Two sides times three depths times three places along the closing axis, object frame [m].
+
+    Examples
+    --------
+    >>> x, y, z = np.eye(3)[:, None]
+    >>> one = CandidateGrasps(
+    ...     np.zeros((1, 3)), x, z, np.zeros(1, dtype=np.int64), np.zeros(1, dtype=np.int8),
+    ...     np.array([0.02]), np.zeros(1, dtype=np.int8),
+    ... )  # fmt: skip
+    >>> places = finger_places(one, 0.05)[0]
+    >>> places.shape, bool(np.all(places @ x[0] <= 0.0)), bool(np.all(abs(places @ y[0]) > 0.02))
+    ((18, 3), True, True)
+    """
     side = np.cross(found.approach, found.closing_axis)
     aside = (found.radius + FINGER_SHARE * room)[:, None] * side
     places = [

@@ -79,6 +79,15 @@ def plan_grasps(
     InputError
         If an argument is of the wrong type or out of range, a name is unknown, or the mesh is
         in other units than metres, encloses no volume or is turned inside-out.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> rod = trimesh.creation.capsule(0.12, 0.012)
+    >>> rng = np.random.default_rng(0)
+    >>> found = plan_grasps(rod, "wsg50", grasp="precision", max_candidates=4, rng=rng)
+    >>> len(found), found.hand, found.grasp, sum(found.outcomes.values())
+    (4, 'wsg50', 'precision', 4)
     """
     refuse_unusable(mesh)
     hand = usable_hand(hand)
@@ -145,6 +154,39 @@ def plan_power_grasps(
 ) -> GraspSet:
     """Plan power grasps: `plan_grasps` with ``grasp="power"`` (P13 ch. 4, algorithms 1 to 5).
 
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh
+        A closed mesh with outward normals [m].
+    hand : Hand or str
+        The hand, or its name.
+    friction : float
+        Friction coefficient of hard point contacts [1].
+    search_radius : float
+        Radius of the symmetry analysis, P13's r_N [m].
+    min_radius_ratio : float
+        Medial spheres below this share of the largest are dropped [1].
+    max_candidates : int or None
+        Candidates to test at most; None for all.
+    planner : str
+        Generator of candidates, see `plan_grasps`.
+    rng : numpy.random.Generator
+        Draws the spheres when there are more candidates than asked for.
+    jobs : int
+        Processes; the result does not depend on it.
+    progress : callable, optional
+        See `plan_grasps`.
+
+    Returns
+    -------
+    GraspSet
+        Every tested candidate with its outcome, in the object frame.
+
+    Raises
+    ------
+    InputError
+        As `plan_grasps`.
+
     Examples
     --------
     >>> import trimesh
@@ -172,13 +214,42 @@ def plan_power_grasps(
 
 
 def warm_up(tester: GraspTester, candidates: CandidateGrasps) -> None:
-    """Test one candidate in vain, so that none of those that count waits for compiled kernels."""
+    """Test one candidate in vain, so that none of those that count waits for compiled kernels.
+
+    Parameters
+    ----------
+    tester : GraspTester
+        Closes the hand and judges the result.
+    candidates : CandidateGrasps
+        The first of them is tested; with none, nothing happens.
+    """
     for _ in run_candidates(tester, candidates.select(np.arange(min(len(candidates), 1)))):
         warm_quality()
 
 
 def object_record(mesh: trimesh.Trimesh, center: Floats, **known: Any) -> ObjectRecord:
-    """What is known of an object: hash of its arrays until a file is named."""
+    """What is known of an object: hash of its arrays until a file is named.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh
+        The object [m].
+    center : ndarray, shape (3,)
+        Its centre of mass, object frame [m].
+    **known : object
+        Fields of `ObjectRecord` that are known better: path, sha256, scale, repairs.
+
+    Returns
+    -------
+    ObjectRecord
+        The record; `sha256` is of vertices and faces as little-endian 64-bit numbers.
+
+    Examples
+    --------
+    >>> record = object_record(trimesh.creation.box((0.1, 0.2, 0.3)), np.zeros(3), path="box.stl")
+    >>> record.path, record.extents.tolist(), len(record.sha256)
+    ('box.stl', [0.1, 0.2, 0.3], 64)
+    """
     digest = hashlib.sha256(np.ascontiguousarray(mesh.vertices, dtype="<f8").tobytes())
     digest.update(np.ascontiguousarray(mesh.faces, dtype="<i8").tobytes())
     record = ObjectRecord(
@@ -192,5 +263,33 @@ def object_record(mesh: trimesh.Trimesh, center: Floats, **known: Any) -> Object
 
 
 def with_origin(found: GraspSet, *, seed: int | None, **known: Any) -> GraspSet:
-    """The same result with the file, scale and repairs of its object, and the seed."""
+    """The same result with the file, scale and repairs of its object, and the seed.
+
+    Parameters
+    ----------
+    found : GraspSet
+        A result of `plan_grasps`, which knows arrays and a generator only.
+    seed : int or None
+        Seed of the generator that drew the candidates.
+    **known : object
+        Fields of `ObjectRecord`: path, sha256, scale [m per unit of the file], repairs.
+
+    Returns
+    -------
+    GraspSet
+        A new result; `found` stays as it is.
+
+    Raises
+    ------
+    TypeError
+        If `known` names a field that `ObjectRecord` has not.
+
+    Examples
+    --------
+    >>> rod = trimesh.creation.capsule(0.12, 0.02)
+    >>> found = plan_grasps(rod, "armar3", max_candidates=2, rng=np.random.default_rng(3))
+    >>> known = with_origin(found, seed=3, path="rod.stl")
+    >>> known.seed, known.object.path, found.seed
+    (3, 'rod.stl', None)
+    """
     return replace(found, seed=seed, object=replace(found.object, **known))

@@ -31,7 +31,23 @@ MAX_RETREAT = 1.0
 
 @dataclass(frozen=True)
 class Contacts:
-    """Contacts of one closed hand: points (n, 3) [m], inward normals (n, 3), bodies (n,)."""
+    """Contacts of one closed hand, in the object frame.
+
+    Attributes
+    ----------
+    points : ndarray, shape (n, 3)
+        Points on the object's surface [m].
+    normals : ndarray, shape (n, 3)
+        Unit normals there that point into the object, as the finger pushes.
+    bodies : ndarray of int, shape (n,)
+        Rows of `Hand.bodies`: which body of the hand touches.
+
+    Examples
+    --------
+    >>> none = Contacts(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=np.int64))
+    >>> len(none.points)
+    0
+    """
 
     points: Floats
     normals: Floats

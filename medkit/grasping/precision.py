@@ -16,13 +16,10 @@ from medkit.grasping.closing.body_kernels import workspace
 from medkit.grasping.closing.hand_tables import ClosingHand, closing_hand, hand_rotation, palm_frame
 from medkit.grasping.closing.object_field import ObjectField, object_field
 from medkit.grasping.closing.whole_kernels import precision_grasp, retreat
+from medkit.grasping.opposition import OPENING_FACTOR
+from medkit.grasping.pad_ways import opposing_fingers
 from medkit.grasping.power import MAX_RETREAT, ContactReader, Contacts
-from medkit.grasping.precision_grip import (
-    OPENING_FACTOR,
-    grip_path,
-    opposing_fingers,
-    precision_grip,
-)
+from medkit.grasping.precision_grip import grip_path, precision_grip
 from medkit.grasping.testers import GraspTester, Quality
 from medkit.robots.hand import Hand
 
@@ -106,23 +103,28 @@ class PrecisionCloser:
         self.path = grip_path(hand, self.grip, self.arrays)
         self.work = workspace(field, self.arrays)
         self._palm = palm_frame(self.grip.approach, hand.closing_axis)
-        tips = [finger.tip_link for finger in opposing_fingers(hand)]
-        has_pad = np.isin(self.arrays.body_link, tips)
+        # A URDF often hangs a rounded tip of its own on the last phalanx by a fixed joint.
+        tips = [hand.tree.rigid_links(finger.tip_link) for finger in opposing_fingers(hand)]
+        has_pad = np.isin(self.arrays.body_link, np.concatenate(tips))
         self._reader = ContactReader(self.arrays, has_pad)
 
     def preshape(self, radius: float) -> tuple[float, Floats]:
         """Amount along the grip for a sphere of `radius` [m], and the grasp centre (3,) [m].
 
         The opening is ``2 k r``, at most as wide as the pads go (P13 4.30); the centre is half
-        of it in front of the thumb's pad, hand base frame (P13 4.31). As wide as the pads go
-        without a sphere.
+        of it in front of the thumb's pad, hand base frame (P13 4.31). The thumb keeps its depth
+        while the hand closes, so the centre is as deep as the middle between the pads is when
+        they touch the sphere. As wide as the pads go without a sphere.
         """
         grip = self.grip
         wanted = 2.0 * self.opening_factor * radius if radius > 0.0 else grip.widest
         amount = float(grip.amount_for(np.array([wanted]))[0])
         opening = np.interp(amount, grip.amounts, grip.openings)
         pad = [np.interp(amount, grip.amounts, column) for column in grip.thumb_pads.T]
-        return amount, np.asarray(pad + 0.5 * opening * grip.grip_axis)
+        touch = np.interp(2.0 * radius, grip.openings[::-1], grip.offsets[::-1])
+        return amount, np.asarray(
+            pad + 0.5 * opening * grip.grip_axis + 0.5 * touch * grip.approach
+        )
 
     def close(
         self, grasp_point: Floats, approach: Floats, closing_axis: Floats, radius: float

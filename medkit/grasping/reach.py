@@ -83,6 +83,15 @@ def blocked(axis: MedialAxis, places: Floats) -> NDArray[np.bool_]:
     -------
     ndarray of bool, shape (n,)
         True where at least one place is inside.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from medkit.grasping import medial_axis
+    >>> axis = medial_axis(trimesh.creation.capsule(0.2, 0.02))
+    >>> places = np.array([[[0.0, 0.0, 0.1], [0.1, 0.0, 0.0]], [[0.0, 0.1, 0.0], [0.1, 0.0, 0.0]]])
+    >>> blocked(axis, places).tolist()
+    [True, False]
     """
     inside = np.zeros(len(places), dtype=np.bool_)
     middle = places.mean(axis=1)

@@ -37,7 +37,37 @@ TESTERS = {
 
 
 def looked_up(table: Mapping[str, str], name: str, what: str) -> Callable[..., Any]:
-    """The function behind a name in a table of "module:function"; `InputError` if unknown."""
+    """The function behind a name in a table of "module:function".
+
+    Parameters
+    ----------
+    table : mapping of str to str
+        For example `CANDIDATE_SOURCES` or `TESTERS`.
+    name : str
+        A key of it.
+    what : str
+        What the names stand for, for the message: "planner".
+
+    Returns
+    -------
+    callable
+        The function, or a method as "module:Class.method"; its module is imported now.
+
+    Raises
+    ------
+    InputError
+        If there is no such name.
+
+    Examples
+    --------
+    >>> looked_up(TESTERS, "power", "kind of grasp").__name__
+    'power_tester'
+    >>> looked_up(TESTERS, "fist", "kind of grasp")
+    Traceback (most recent call last):
+        ...
+    medkit.errors.InputError: Expected a kind of grasp (power, precision), but got 'fist'; name \
+one of them.
+    """
     if name not in table:
         known = ", ".join(sorted(table))
         raise InputError(f"Expected a {what} ({known}), but got {name!r}; name one of them.")
@@ -54,7 +84,43 @@ def medial_candidates(
     min_radius_ratio: float,
     watch: Stopwatch,
 ) -> CandidateGrasps:
-    """Candidates of the published planner (P13 algorithm 1)."""
+    """Candidates of the published planner (P13 4.4, algorithm 1).
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh
+        A closed mesh with outward normals [m].
+    hand : Hand
+        Says which spheres are too large or too small.
+    grasp : str
+        Kind of grasp, see `radii_for`.
+    search_radius : float
+        Radius of the symmetry analysis, P13's r_N [m].
+    min_radius_ratio : float
+        Medial spheres below this share of the largest are dropped [1].
+    watch : Stopwatch
+        Gets a lap "medial".
+
+    Returns
+    -------
+    CandidateGrasps
+        All candidates, object frame, and the fate of every medial sphere.
+
+    Raises
+    ------
+    InputError
+        If the radius or the ratio is out of range.
+
+    Examples
+    --------
+    >>> from medkit.robots import load_hand
+    >>> found = medial_candidates(
+    ...     trimesh.creation.capsule(0.15, 0.02), load_hand("armar3"), grasp="power",
+    ...     search_radius=0.03, min_radius_ratio=0.5, watch=Stopwatch(),
+    ... )  # fmt: skip
+    >>> len(found) > 100, found.grasp_point.shape == found.approach.shape == (len(found), 3)
+    (True, True)
+    """
     axis = medial_axis(mesh)
     watch.lap("medial")
     return candidates_from_axis(
@@ -66,6 +132,26 @@ def medial_candidates(
 
 
 def radii_for(hand: Hand, grasp: str) -> tuple[float, float]:
-    """Radii of spheres that a hand can grasp [m]: pads hold what a closing fist cannot."""
+    """Radii of spheres that a hand can grasp: pads hold what a closing fist cannot.
+
+    Parameters
+    ----------
+    hand : Hand
+        The hand.
+    grasp : str
+        With ``"precision"`` there is no smallest sphere.
+
+    Returns
+    -------
+    tuple of float
+        Smallest and largest radius [m].
+
+    Examples
+    --------
+    >>> from medkit.robots import load_hand
+    >>> hand = load_hand("armar3")
+    >>> radii_for(hand, "power"), radii_for(hand, "precision")
+    ((0.005, 0.047), (0.0, 0.047))
+    """
     least = 0.0 if grasp == "precision" else hand.min_sphere_radius
     return least, hand.max_sphere_radius

@@ -49,7 +49,34 @@ class Quality:
 
 
 def judge(contacts: Contacts, quality: Quality, *, started: bool = True) -> tuple[float, str]:
-    """Epsilon [N] and outcome of a closed hand."""
+    """Epsilon and outcome of a closed hand (P13 4.6.2 and 5.1.3).
+
+    Parameters
+    ----------
+    contacts : Contacts
+        Where the hand lies on the object, object frame.
+    quality : Quality
+        Friction, torque origin and torque scale.
+    started : bool
+        Whether the hand was free of the object before it closed.
+
+    Returns
+    -------
+    epsilon : float
+        Quality [N], 0 when not force-closure.
+    outcome : str
+        One of `medkit.grasping.grasp_set.OUTCOMES`.
+
+    Examples
+    --------
+    >>> quality = Quality(0.5, np.zeros(3), 1.0)
+    >>> corners = np.array([[1.0, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]]) / np.sqrt(3.0)
+    >>> four = Contacts(corners, -corners, np.arange(4))
+    >>> judge(four, quality)[1], judge(four, quality, started=False)
+    ('force_closure', (0.0, 'start_collision'))
+    >>> judge(Contacts(corners[:2], -corners[:2], np.arange(2)), quality)
+    (0.0, 'too_few_contacts')
+    """
     if not started:
         return 0.0, START_COLLISION
     if len(contacts.points) < MIN_CONTACTS:
@@ -200,5 +227,30 @@ class PowerTester(GraspTester):
 
 
 def power_tester(hand: Hand, triangles: Floats, quality: Quality) -> PowerTester:
-    """The closing strategy of power grasps (P13 algorithm 4), as the planners call it."""
+    """The closing strategy of power grasps (P13 4.6, algorithm 4), as the planners call it.
+
+    Parameters
+    ----------
+    hand : Hand
+        The hand.
+    triangles : ndarray, shape (n, 3, 3)
+        Corners of the object's triangles, outward when seen anticlockwise [m].
+    quality : Quality
+        What the contacts are judged by.
+
+    Returns
+    -------
+    PowerTester
+        Ready for `PowerTester.test`.
+
+    Examples
+    --------
+    >>> import trimesh
+    >>> from medkit.robots import load_hand
+    >>> bar = trimesh.creation.cylinder(0.02, 0.2).triangles
+    >>> tester = power_tester(load_hand("armar3"), bar, Quality(0.5, np.zeros(3), 0.1))
+    >>> grasp, _ = tester.test(np.zeros(3), np.array([1.0, 0, 0]), np.array([0, 0, 1.0]), 0.02)
+    >>> grasp.outcome
+    'force_closure'
+    """
     return PowerTester.build(hand, triangles, quality)

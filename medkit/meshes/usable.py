@@ -15,7 +15,29 @@ from medkit.meshes.surfaces import signed_volume
 
 
 def refuse_unusable(mesh: trimesh.Trimesh) -> None:
-    """Refuse a mesh that planners could not use: `InputError` that says what to do."""
+    """Refuse a mesh that planners could not use.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh
+        The object [m]; it need not be watertight.
+
+    Raises
+    ------
+    InputError
+        If it is no triangle mesh, has no triangle or coordinates that are not finite, is not in
+        metres by its size (`refuse_wrong_scale`), or is flat or inside-out (`refuse_flat`); the
+        sentence says what to do.
+
+    Examples
+    --------
+    >>> refuse_unusable(trimesh.creation.box((0.1, 0.1, 0.1)))
+    >>> refuse_unusable(trimesh.Trimesh())
+    Traceback (most recent call last):
+        ...
+    medkit.errors.InputError: Expected a closed body, but the mesh holds no triangle; check the \
+file, then plan on medkit.meshes.repair_mesh(mesh).mesh.
+    """
     remedy = (
         "read one with medkit.meshes.load_mesh(path), or take .mesh of what repair_mesh returns"
     )
@@ -40,7 +62,30 @@ def refuse_unusable(mesh: trimesh.Trimesh) -> None:
 
 
 def refuse_flat(mesh: trimesh.Trimesh) -> None:
-    """Refuse a mesh of no volume, judged as `repair_mesh` does, or with inward normals."""
+    """Refuse a mesh of no volume, judged as `repair_mesh` does, or with inward normals.
+
+    Parameters
+    ----------
+    mesh : trimesh.Trimesh
+        Vertices [m] and faces; those that no face uses do not count.
+
+    Raises
+    ------
+    InputError
+        If the signed volume is less than `FLAT_VOLUME` times the cube of the bounding box's
+        diagonal: a flat or open mesh, or one that is turned inside-out.
+
+    Examples
+    --------
+    >>> box = trimesh.creation.box((0.1, 0.1, 0.1))
+    >>> refuse_flat(box)
+    >>> _ = box.invert()
+    >>> refuse_flat(box)
+    Traceback (most recent call last):
+        ...
+    medkit.errors.InputError: Expected a closed body with outward normals, but the mesh is \
+inside-out; plan on medkit.meshes.repair_mesh(mesh).mesh.
+    """
     surface = used_part(mesh)
     least = FLAT_VOLUME * float(np.linalg.norm(np.ptp(surface[0], axis=0))) ** 3
     volume = signed_volume(surface)

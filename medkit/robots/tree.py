@@ -115,3 +115,29 @@ class KinematicTree:
         return np.array(
             [k for k in range(len(self.parent)) if driven[self.ancestors(k)].any()], dtype=np.int64
         )
+
+    def rigid_links(self, link: int) -> Ints:
+        """Links that form one piece with `link`, joined to it by fixed joints only.
+
+        Parameters
+        ----------
+        link : int
+            Index of a link.
+
+        Returns
+        -------
+        ndarray of int
+            Indices of the links, `link` included.
+
+        Examples
+        --------
+        >>> from medkit.robots import load_hand
+        >>> tree = load_hand("armar3").tree
+        >>> tree.rigid_links(3).tolist()
+        [3]
+        """
+        piece = np.arange(len(self.parent))
+        for k, parent in enumerate(self.parent):
+            if parent >= 0 and self.kind[k] == FIXED:
+                piece[k] = piece[parent]
+        return np.asarray(np.flatnonzero(piece == piece[link]), dtype=np.int64)

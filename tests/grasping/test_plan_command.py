@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,8 +13,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from medkit.cli import main
+from medkit.cli.plan import passing_pads, summary
 from medkit.errors import InputError
-from medkit.grasping import grasp_document, plan_power_grasps, read_grasps, write_grasps
+from medkit.grasping import (
+    grasp_document,
+    plan_grasps,
+    plan_power_grasps,
+    read_grasps,
+    write_grasps,
+)
 from medkit.grasping.export_xml import read_grasps_xml
 from medkit.grasping.grasp_file import grasps_from_document
 from medkit.grasping.grasp_set import GraspSet
@@ -245,3 +253,20 @@ def test_an_interrupt_leaves_no_file(bar, tmp_path, monkeypatch):
     monkeypatch.setattr("medkit.grasping.planners.plan_grasps", interrupted)
     assert main(["plan", bar, "--out", str(tmp_path / "out.json")]) == 130
     assert list(tmp_path.iterdir()) == []
+
+
+def test_pads_that_pass_each_other_are_said_to():
+    """Six candidates that touched too little, by a good gripper and by one with a pad too low."""
+    hand, rod = load_hand("wsg50"), trimesh.creation.capsule(0.1, 0.008)
+    options = {"grasp": "precision", "max_candidates": 6, "rng": np.random.default_rng(0)}
+    found = plan_grasps(rod, hand, **options)
+    few = replace(
+        found, grasps=tuple(replace(one, outcome="too_few_contacts") for one in found.grasps)
+    )
+    low = replace(hand.fingers[1], tip_point=hand.fingers[1].tip_point - [0.0, 0.0, 0.03])
+    askew = replace(hand, fingers=(hand.fingers[0], low))
+    assert passing_pads(few, hand) == 0
+    assert passing_pads(few, askew) == 6
+    assert passing_pads(found, askew) == passing_pads(replace(few, grasp="power"), askew) == 0
+    assert "for 6 of them this hand's pads pass each other" in summary(few, passing=6)
+    assert "pass each other" not in summary(few)
