@@ -23,7 +23,15 @@ def test_results_come_in_the_order_of_the_tasks():
     assert list(in_processes(math.sqrt, [9.0, 4.0, 1.0], 2)) == [3.0, 2.0, 1.0]
 
 
-def test_an_interrupt_while_processes_start_leaves_none_behind(monkeypatch):
+@pytest.fixture
+def heard():
+    """Hear interrupts as at a terminal: shells start jobs in the background deaf to them."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+def test_an_interrupt_while_processes_start_leaves_none_behind(monkeypatch, heard):
     started, over = [], threading.Event()
     # the kernel hands an interrupt to any thread, and the main one then acts on it
     other = threading.Thread(target=over.wait, daemon=True)
