@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
-import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict
-from functools import lru_cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,125 +14,21 @@ import trimesh
 
 from medkit.arguments import short, whole
 from medkit.errors import InputError
-from medkit.files import cache_folder, write_text
-from medkit.geometry import Floats, expected, nonnegative
-from medkit.grasping.candidate_set import CandidateGrasps
-from medkit.grasping.candidates import candidates_from_axis
-from medkit.grasping.choosing import choose_candidates
-from medkit.grasping.grasp_set import OUTCOMES, Grasp
-from medkit.grasping.parallel import in_processes, run_candidates
+from medkit.files import write_text
+from medkit.geometry import expected
+from medkit.grasping.bench import FRICTION
+from medkit.grasping.bench import ObjectBench as ObjectBench
+from medkit.grasping.experiment_cache import cache_file, stored
+from medkit.grasping.grasp_set import OUTCOMES
+from medkit.grasping.parallel import in_processes
 from medkit.grasping.settings import EXPERIMENTS as EXPERIMENTS
 from medkit.grasping.settings import Experiment as Experiment
 from medkit.grasping.settings import Setting
-from medkit.grasping.stopwatch import Stopwatch
-from medkit.grasping.strategies import (
-    CANDIDATE_SOURCES,
-    CHOOSERS,
-    REFINERS,
-    TESTERS,
-    looked_up,
-    radii_for,
-)
-from medkit.grasping.testers import Quality
 from medkit.grasping.yields import failure_reasons as failure_reasons
 from medkit.grasping.yields import mean_yields as mean_yields
 from medkit.grasping.yields import yield_table as yield_table
-from medkit.medial.axis import MedialAxis, medial_axis
-from medkit.meshes import mass_properties
-from medkit.meshes.usable import refuse_unusable
-from medkit.robots.digest import hand_digest
 from medkit.robots.hand import Hand
 from medkit.robots.library import usable_hand
-
-FRICTION = 0.5  # P13 5.1.3
-
-
-class ObjectBench:
-    """One object prepared once for many settings: medial axis, closing, quality.
-
-    Parameters
-    ----------
-    mesh : trimesh.Trimesh
-        A closed mesh with outward normals [m].
-    hand : Hand
-        The hand.
-    friction : float
-        Friction coefficient of hard point contacts [1].
-    """
-
-    def __init__(
-        self, mesh: trimesh.Trimesh, hand: Hand | str, *, friction: float = FRICTION
-    ) -> None:
-        refuse_unusable(mesh)
-        body = mass_properties(mesh)
-        self.mesh = mesh
-        self.hand = usable_hand(hand)
-        rough = nonnegative(friction, "friction")
-        self.quality = Quality(rough, body.center_mass, body.torque_scale)
-        self._axis: MedialAxis | None = None
-        self._testers: dict[str, Any] = {}
-
-    @property
-    def axis(self) -> MedialAxis:
-        """The object's medial axis, computed at the first need."""
-        if self._axis is None:
-            self._axis = medial_axis(self.mesh)
-        return self._axis
-
-    def tester(self, grasp: str, planner: str = "medial") -> Any:
-        """What closes and judges grasps of a kind as a planner does; prepared at the first need."""
-        if grasp not in self._testers:
-            make = looked_up(TESTERS, grasp, "kind of grasp")
-            triangles = np.asarray(self.mesh.triangles, dtype=float)
-            self._testers[grasp] = make(self.hand, triangles, self.quality)
-        tester = self._testers[grasp]
-        if planner in REFINERS:
-            return looked_up(REFINERS, planner, "planner")(tester, self.hand)
-        return tester
-
-    def candidates(self, setting: Setting) -> CandidateGrasps:
-        """All candidates of a setting, as `plan_grasps` would have them."""
-        if setting.planner == "medial":
-            return candidates_from_axis(
-                self.axis,
-                search_radius=setting.search_radius,
-                min_radius_ratio=setting.min_radius_ratio,
-                hand_radii=radii_for(self.hand, setting.grasp),
-            )
-        source = looked_up(CANDIDATE_SOURCES, setting.planner, "planner")
-        found: CandidateGrasps = source(
-            self.mesh,
-            self.hand,
-            grasp=setting.grasp,
-            search_radius=setting.search_radius,
-            min_radius_ratio=setting.min_radius_ratio,
-            watch=Stopwatch(),
-        )
-        return found
-
-    def chosen(
-        self, setting: Setting, *, most: int | None, rng: np.random.Generator
-    ) -> CandidateGrasps:
-        """At most so many candidates of a setting, drawn as its planner draws them."""
-        found = self.candidates(setting)
-        if setting.planner in CHOOSERS:
-            drawn: CandidateGrasps = looked_up(CHOOSERS, setting.planner, "planner")(
-                found, most, rng
-            )
-            return drawn
-        return choose_candidates(found, most, rng)
-
-    def grasps(
-        self, setting: Setting, *, most: int | None, rng: np.random.Generator
-    ) -> tuple[list[Grasp], Floats]:
-        """Tested grasps of a setting, at most so many, and the time each took [s]."""
-        chosen = self.chosen(setting, most=most, rng=rng)
-        found, spent = [], []
-        begin = time.process_time()
-        for grasp, _ in run_candidates(self.tester(setting.grasp, setting.planner), chosen):
-            found.append(grasp)
-            spent.append(time.process_time() - begin)
-        return found, np.diff(np.asarray([0.0, *spent]))
 
 
 def run_object(
@@ -294,8 +186,8 @@ def _counted(task: tuple) -> list[dict[str, Any]]:
     """Rows of one object, from the cache or by testing; what a process runs."""
     vertices, faces, hand, settings, asked, cache = task
     mesh = trimesh.Trimesh(vertices, faces, process=False)
-    path = _cache_file(mesh, hand, settings, asked) if cache else None
-    rows = _stored(path)
+    path = cache_file(mesh, hand, settings, asked) if cache else None
+    rows = stored(path)
     if rows is None:
         rows = run_object(
             mesh, hand, settings, candidates_per_object=asked["most"], seed=asked["seed"],
@@ -305,41 +197,3 @@ def _counted(task: tuple) -> list[dict[str, Any]]:
             with suppress(InputError, OSError):
                 write_text(path, json.dumps(rows))
     return rows
-
-
-def _cache_file(
-    mesh: trimesh.Trimesh, hand: Hand, settings: Sequence[Setting], asked: Mapping[str, Any]
-) -> Path | None:
-    """Where the counts of one object are kept, or None where no cache can be written."""
-    digest = hashlib.sha256()
-    for array in (mesh.vertices, mesh.faces):
-        digest.update(np.ascontiguousarray(array).tobytes())
-    digest.update(hand_digest(hand).encode())
-    digest.update(json.dumps([[asdict(s) for s in settings], dict(asked)]).encode())
-    digest.update(_code_digest())
-    try:
-        return cache_folder("experiments") / f"{digest.hexdigest()[:24]}.json"
-    except OSError:
-        return None
-
-
-@lru_cache(maxsize=1)
-def _code_digest() -> bytes:
-    """Hash of every file of code that a count can depend on, as it was when first asked for."""
-    package = Path(__file__).parents[1]
-    rooms = ("grasping", "medial", "quality", "robots", "meshes")
-    found = [source for room in rooms for source in (package / room).rglob("*.py")]
-    digest = hashlib.sha256()
-    for source in sorted([*found, package / "contacts.py", package / "geometry.py"]):
-        digest.update(source.read_bytes())
-    return digest.digest()
-
-
-def _stored(path: Path | None) -> list[dict[str, Any]] | None:
-    if path is None or not path.is_file():
-        return None
-    try:
-        rows = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return None  # a broken cache file is made anew
-    return rows if isinstance(rows, list) else None

@@ -10,10 +10,11 @@ import pandas as pd
 
 from medkit.arguments import generator
 from medkit.geometry import nonnegative, rotation_about, unit
+from medkit.grasping.bench import ObjectBench
 from medkit.grasping.candidate_set import CandidateGrasps
-from medkit.grasping.experiments import ObjectBench, Setting
 from medkit.grasping.grasp_set import FORCE_CLOSURE, Grasp
 from medkit.grasping.power import Contacts
+from medkit.grasping.settings import Setting
 from medkit.grasping.testers import MIN_CONTACTS, Quality
 
 
