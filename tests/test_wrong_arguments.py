@@ -12,7 +12,7 @@ import trimesh
 from medkit import datasets, grasping, handover, medial, planar, quality, similarity
 from medkit.errors import InputError
 from medkit.geometry import expected, points_array
-from medkit.grasping import baselines, experiments, robustness
+from medkit.grasping import baselines, box_baseline, experiments, robustness
 from medkit.grasping.batch import plan_many
 from medkit.grasping.strategies import CANDIDATE_SOURCES
 from medkit.robots import load_hand
@@ -99,9 +99,9 @@ MISTAKES = {
         lambda: baselines.surface_normal_candidates(BOX, candidates="a"), "'a'", "candidates"),
     "half a roll": (
         lambda: baselines.surface_normal_candidates(BOX, rolls=0.5), "0.5", "rolls"),
-    "no mesh for the boxes": (lambda: baselines.fitted_box_candidates(None), "None", "load_mesh"),
+    "no mesh for the boxes": (lambda: box_baseline.fitted_box_candidates(None), "None", "load_mesh"),
     "no rolls for the boxes": (
-        lambda: baselines.fitted_box_candidates(BOX, rolls=0), "0", "rolls"),
+        lambda: box_baseline.fitted_box_candidates(BOX, rolls=0), "0", "rolls"),
     "no mesh for a bench": (lambda: experiments.ObjectBench(None, HAND), "None", "load_mesh"),
     "a slippery bench": (
         lambda: experiments.ObjectBench(BOX, HAND, friction=-1.0), "-1", "not negative"),

@@ -1,11 +1,10 @@
-"""Baselines: candidates from surface normals (Berenson 2007) and from boxes (Huebner 2008).
+"""The first baseline: candidates from surface normals (Berenson 2007).
 
 Only the candidates differ from the medial planner's: hand, closing and quality are the same.
 """
 
 from __future__ import annotations
 
-import itertools
 from typing import Any
 
 import numpy as np
@@ -14,9 +13,8 @@ from numpy.typing import NDArray
 
 from medkit.arguments import whole
 from medkit.errors import InputError
-from medkit.geometry import Floats, expected, perpendicular, positive
+from medkit.geometry import Floats, expected, perpendicular
 from medkit.grasping.candidate_set import CandidateGrasps
-from medkit.medial.surface import sample_surface
 from medkit.robots.hand import Hand
 
 #: Candidates aimed at: P13 5.1.3 tests 300 to 500 an object.
@@ -25,8 +23,6 @@ CANDIDATES = 400
 ROLLS = 4
 #: Below this, 1 + the cosine between two approaches says that they are opposite [1].
 OPPOSITE = 1e-9
-#: A box is split while its halves' boxes take up less than this share of its volume.
-SPLIT_SHARE, DEEPEST = 0.90, 4
 
 
 def surface_normal_candidates(
@@ -75,7 +71,7 @@ def surface_normal_candidates(
             break
         spacing *= float(np.clip(np.sqrt(max(len(points), 1) / (1.03 * wanted)), 0.5, 1.5))
         points, normals = _grid_hits(mesh, spacing)
-    return _rolled(points, -normals, rolls, carried_axes(-normals))
+    return rolled(points, -normals, rolls, carried_axes(-normals))
 
 
 def refuse_empty(mesh: Any) -> None:
@@ -117,113 +113,6 @@ def carried_axes(approach: Floats) -> Floats:
         axis = axis / np.linalg.norm(axis)
         axes[k] = axis
     return axes
-
-
-def fitted_box_candidates(
-    mesh: trimesh.Trimesh, *, rolls: int = ROLLS, split_share: float = SPLIT_SHARE
-) -> CandidateGrasps:
-    """Candidates from a decomposition into boxes (Huebner et al. 2008).
-
-    A box of least volume around the surface's samples is split by the cut across one of its axes
-    that leaves the least volume in the two halves' own boxes, as long as that saves enough. The
-    hand approaches each face of each box towards the box's centre.
-
-    Parameters
-    ----------
-    mesh : trimesh.Trimesh
-        A closed mesh with outward normals [m].
-    rolls : int
-        Roll angles about each approach direction, evenly around.
-    split_share : float
-        Split a box while the halves' boxes take up less than this share of it [1].
-
-    Returns
-    -------
-    CandidateGrasps
-        Grasp points at the boxes' centres; no spheres, radius half the least box edge across.
-
-    Raises
-    ------
-    InputError
-        If there is no mesh, fewer than one roll is asked for, or the share is not above zero.
-
-    Examples
-    --------
-    >>> found = fitted_box_candidates(trimesh.creation.cylinder(0.03, 0.2))
-    >>> len(found) == 24, len(np.unique(found.grasp_point.round(4), axis=0))
-    (True, 1)
-    """
-    refuse_empty(mesh)
-    rolls = whole(rolls, "rolls")
-    positive(split_share, "split_share")
-    boxes = fitted_boxes(mesh, split_share=split_share)
-    parts = []
-    for pose, half in boxes:
-        for axis, sign in itertools.product(range(3), (1.0, -1.0)):
-            approach = sign * pose[:3, axis]
-            u, v = (axis + 1) % 3, (axis + 2) % 3
-            along = pose[:3, u if half[u] >= half[v] else v]
-            parts.append(
-                _rolled(
-                    pose[None, :3, 3],
-                    approach[None],
-                    rolls,
-                    along[None],
-                    np.delete(half, axis).min(),
-                )
-            )
-    return joined_candidates(parts)
-
-
-def fitted_boxes(
-    mesh: trimesh.Trimesh, *, split_share: float = SPLIT_SHARE
-) -> list[tuple[Floats, Floats]]:
-    """Boxes of the decomposition (Huebner et al. 2008).
-
-    Parameters
-    ----------
-    mesh : trimesh.Trimesh
-        A closed mesh with outward normals [m].
-    split_share : float
-        Split a box while the halves' boxes take up less than this share of it [1].
-
-    Returns
-    -------
-    list of (ndarray, ndarray)
-        ``T_object_box`` (4, 4) and half edges (3,) [m] of each box.
-
-    Examples
-    --------
-    >>> (pose, half), = fitted_boxes(trimesh.creation.box((0.1, 0.06, 0.04)))
-    >>> sorted((2 * half).round(2).tolist())
-    [0.04, 0.06, 0.1]
-    """
-    spacing = float(np.linalg.norm(mesh.extents)) / 60.0
-    return _split(sample_surface(mesh, spacing=spacing).points, split_share, DEEPEST)
-
-
-def _split(points: Floats, share: float, deepest: int) -> list[tuple[Floats, Floats]]:
-    to_box, extents = trimesh.bounds.oriented_bounds(points)
-    pose, half = np.linalg.inv(to_box), 0.5 * np.asarray(extents)
-    cut = _best_cut(trimesh.transform_points(points, to_box), half) if deepest > 0 else None
-    if cut is None or cut[0] > share or min(cut[1].sum(), (~cut[1]).sum()) < 12:
-        return [(pose, half)]
-    below = cut[1]
-    return _split(points[below], share, deepest - 1) + _split(points[~below], share, deepest - 1)
-
-
-def _best_cut(local: Floats, half: Floats) -> tuple[float, NDArray[np.bool_]] | None:
-    """Share of the volume left by the best cut across an axis, and which points lie below it."""
-    best: tuple[float, NDArray[np.bool_]] | None = None
-    whole = float(np.prod(half))
-    for axis, place in itertools.product(range(3), np.linspace(-0.8, 0.8, 17)):
-        below = local[:, axis] < place * half[axis]
-        if not below.any() or below.all():
-            continue
-        left = sum(float(np.prod(0.5 * np.ptp(local[side], axis=0))) for side in (below, ~below))
-        if best is None or left / whole < best[0]:
-            best = (left / whole, below)
-    return best
 
 
 def _grid_hits(mesh: trimesh.Trimesh, spacing: float) -> tuple[Floats, Floats]:
@@ -274,7 +163,7 @@ def _cross(a: Floats, b: Floats) -> Floats:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
-def _rolled(
+def rolled(
     points: Floats, approach: Floats, rolls: int, first: Floats | None = None, radius: float = 0.0
 ) -> CandidateGrasps:
     """Candidates with closing axes evenly around each approach, from `first` (n, 3) on."""
@@ -308,8 +197,3 @@ def joined_candidates(parts: list[CandidateGrasps]) -> CandidateGrasps:
 def normal_candidates(mesh: trimesh.Trimesh, hand: Hand, **unused: Any) -> CandidateGrasps:
     """`surface_normal_candidates` as the planners call it; neither hand nor spheres matter."""
     return surface_normal_candidates(mesh)
-
-
-def box_candidates(mesh: trimesh.Trimesh, hand: Hand, **unused: Any) -> CandidateGrasps:
-    """`fitted_box_candidates` as the planners call it; neither hand nor spheres matter."""
-    return fitted_box_candidates(mesh)

@@ -22,7 +22,7 @@ CANDIDATE_SOURCES = {
     "medial": "medkit.grasping.strategies:medial_candidates",
     "medial-plus": "medkit.grasping.improved:improved_candidates",
     "normals": "medkit.grasping.baselines:normal_candidates",
-    "boxes": "medkit.grasping.baselines:box_candidates",
+    "boxes": "medkit.grasping.box_baseline:box_candidates",
 }
 #: Planners that draw their candidates in their own way, instead of `choose_candidates`.
 CHOOSERS = {"medial-plus": "medkit.grasping.choosing:spread_candidates"}

@@ -9,11 +9,10 @@ from medkit.errors import InputError
 from medkit.geometry import rotation_about
 from medkit.grasping.baselines import (
     carried_axes,
-    fitted_box_candidates,
-    fitted_boxes,
     joined_candidates,
     surface_normal_candidates,
 )
+from medkit.grasping.box_baseline import fitted_box_candidates, fitted_boxes
 from medkit.grasping.strategies import CANDIDATE_SOURCES, looked_up
 from medkit.robots import load_hand
 
