@@ -99,7 +99,8 @@ MISTAKES = {
         lambda: baselines.surface_normal_candidates(BOX, candidates="a"), "'a'", "candidates"),
     "half a roll": (
         lambda: baselines.surface_normal_candidates(BOX, rolls=0.5), "0.5", "rolls"),
-    "no mesh for the boxes": (lambda: box_baseline.fitted_box_candidates(None), "None", "load_mesh"),
+    "no mesh for the boxes": (
+        lambda: box_baseline.fitted_box_candidates(None), "None", "load_mesh"),
     "no rolls for the boxes": (
         lambda: box_baseline.fitted_box_candidates(BOX, rolls=0), "0", "rolls"),
     "no mesh for a bench": (lambda: experiments.ObjectBench(None, HAND), "None", "load_mesh"),
