@@ -8,9 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import trimesh
 
-from medkit.grasping.closing import hand_tables
+from medkit.grasping.closing import hand_tables, hull_tables
 from medkit.grasping.closing.hand_tables import KEPT, closing_hand
+from medkit.grasping.closing.surface_table import _fine_corners, _thinned
 from medkit.robots import load_hand
 
 
@@ -86,3 +88,32 @@ def test_tables_of_a_few_hands_are_kept_and_no_hand(built):
     del hands, hand
     gc.collect()
     assert alive() is None
+
+
+@pytest.mark.parametrize("name", ["armar3", "wsg50"])
+def test_corners_of_fine_faces_are_those_of_trimesh(name):
+    for body in load_hand(name).bodies:
+        for longest in (0.002, 0.0071):
+            expected, _ = trimesh.remesh.subdivide_to_size(
+                body.vertices, body.faces, max_edge=longest, max_iter=20
+            )
+            assert np.array_equal(_fine_corners(body.vertices, body.faces, longest), expected)
+
+
+def test_cells_are_those_of_sorted_rows():
+    points = np.random.default_rng(0).uniform(-0.02, 0.02, (3000, 3))
+    rows, cell = np.unique(np.floor(points / 0.004), axis=0, return_inverse=True)
+    means = np.array([points[cell.ravel() == k].mean(axis=0) for k in range(len(rows))])
+    kept = _thinned(points, 0.004)
+    assert np.array_equal(np.floor(kept / 0.004), rows)
+    nearest = [
+        np.linalg.norm(points[cell.ravel() == k] - means[k], axis=1).min() for k in range(len(rows))
+    ]
+    assert np.allclose(np.linalg.norm(kept - means, axis=1), nearest)
+
+
+def test_hints_name_the_highest_plane_whatever_the_stretch(monkeypatch):
+    bodies = [body.vertices for body in load_hand("wsg50").bodies]
+    table = hull_tables.hull_table(bodies)
+    monkeypatch.setattr(hull_tables, "STRETCH", 10**9)
+    assert same(table, hull_tables.hull_table(bodies))
