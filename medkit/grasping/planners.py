@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import trimesh
@@ -12,7 +13,7 @@ import trimesh
 from medkit.geometry import Floats, expected, nonnegative
 from medkit.grasping.candidate_set import CandidateGrasps
 from medkit.grasping.choosing import choose_candidates
-from medkit.grasping.grasp_set import GraspSet, ObjectRecord
+from medkit.grasping.grasp_set import Grasp, GraspSet, ObjectRecord
 from medkit.grasping.parallel import Progress, processes_for, run_candidates
 from medkit.grasping.stopwatch import Stopwatch
 from medkit.grasping.strategies import CANDIDATE_SOURCES, CHOOSERS, REFINERS, TESTERS, looked_up
@@ -110,15 +111,14 @@ def plan_grasps(
     chosen = choose(candidates, max_candidates, rng)
     body = mass_properties(mesh)
     quality = Quality(friction, body.center_mass, body.torque_scale)
-    tester = make_tester(hand, np.asarray(mesh.triangles, dtype=float), quality)
-    if planner in REFINERS:
-        tester = looked_up(REFINERS, planner, "planner")(tester, hand)
-    processes = processes_for(len(chosen), jobs)
-    if processes == 1:
-        warm_up(tester, chosen)
-    watch.lap("preparation")
-    tested = tuple(run_candidates(tester, chosen, jobs=jobs, progress=progress))
-    watch.lap("closing")
+
+    def prepared() -> GraspTester:
+        tester = make_tester(hand, np.asarray(mesh.triangles, dtype=float), quality)
+        if planner in REFINERS:
+            tester = looked_up(REFINERS, planner, "planner")(tester, hand)
+        return cast(GraspTester, tester)
+
+    tested = _tested(chosen, prepared, jobs=jobs, progress=progress, watch=watch)
     return GraspSet(
         object=object_record(mesh, body.center_mass),
         hand=hand.name,
@@ -134,7 +134,9 @@ def plan_grasps(
         seed=None,
         sphere_counts=candidates.fate_counts(),
         candidates_found=len(candidates),
-        timing=watch.stages(quality=sum(spent for _, spent in tested), jobs=processes),
+        timing=watch.stages(
+            quality=sum(spent for _, spent in tested), jobs=processes_for(len(chosen), jobs)
+        ),
         grasps=tuple(one for one, _ in tested),
     )
 
@@ -211,6 +213,27 @@ def plan_power_grasps(
         jobs=jobs,
         progress=progress,
     )
+
+
+def _tested(
+    chosen: CandidateGrasps,
+    prepared: Callable[[], GraspTester],
+    *,
+    jobs: int,
+    progress: Progress | None,
+    watch: Stopwatch,
+) -> tuple[tuple[Grasp, float], ...]:
+    """Prepare hand and object, then test; without a candidate nothing is prepared for it."""
+    if not len(chosen):
+        watch.lap("preparation")
+        return tuple(progress((), 0)) if progress else ()
+    tester = prepared()
+    if processes_for(len(chosen), jobs) == 1:
+        warm_up(tester, chosen)
+    watch.lap("preparation")
+    tested = tuple(run_candidates(tester, chosen, jobs=jobs, progress=progress))
+    watch.lap("closing")
+    return tested
 
 
 def warm_up(tester: GraspTester, candidates: CandidateGrasps) -> None:

@@ -13,7 +13,7 @@ from medkit.geometry import apply, random_rotation, transform
 from medkit.grasping import candidates_from_axis, medial_axis, plan_grasps
 from medkit.grasping.choosing import choose_candidates
 from medkit.grasping.parallel import run_candidates
-from medkit.grasping.stopwatch import Stopwatch
+from medkit.grasping.stopwatch import STAGES, Stopwatch
 from medkit.grasping.strategies import TESTERS, looked_up, medial_candidates, radii_for
 from medkit.grasping.testers import Quality
 from medkit.meshes import mass_properties
@@ -134,3 +134,21 @@ def test_the_same_seed_gives_the_same_plan(mallet, hand, found):
 def test_pads_hold_thinner_things_than_a_fist(hand):
     assert radii_for(hand, "power") == hand.sphere_radii
     assert radii_for(hand, "precision") == (0.0, hand.max_sphere_radius)
+
+
+@pytest.mark.parametrize("planner", ["medial", "medial-plus"])
+def test_without_a_candidate_nothing_is_prepared(hand, planner, monkeypatch):
+    made = []
+    monkeypatch.setitem(TESTERS, "power", "medkit.grasping.testers:refuse")
+    monkeypatch.setattr(
+        "medkit.grasping.testers.refuse", lambda *parts: made.append(parts), raising=False
+    )
+    bars = []
+    none = plan_grasps(
+        trimesh.creation.icosphere(2, 0.5), hand, planner=planner, rng=np.random.default_rng(0),
+        progress=lambda results, total: bars.append(total) or results,
+    )  # fmt: skip
+    assert len(none) == none.candidates_found == 0
+    assert made == []
+    assert bars == [0]
+    assert tuple(none.timing) == STAGES

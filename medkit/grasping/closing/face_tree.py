@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from medkit.geometry import Floats
+from medkit.grasping.closing.ball_kernels import longest_edges, node_balls
+from medkit.grasping.closing.halving_kernels import halve
 
 #: Children of a node and pieces of a leaf, at most: a block of balls that is looked at as one.
 FAN = 8
@@ -75,42 +77,42 @@ def face_tree(pieces: Floats, faces: NDArray[np.int32]) -> FaceTree:
 def ball_tree(corners: Floats, balls: Floats) -> BallTree:
     """Build the tree of things that are given by their corners (p, c, 3) and balls (p, 4)."""
     depth = max(int(np.ceil(np.log2(len(corners) / FAN))), 0)
-    order = _halved(balls[:, :3], depth)
+    order = halved(balls[:, :3], depth)
     # three halvings make a level of the tree; what is left over comes first
     levels = [0, *range((depth - 1) % 3 + 1, depth + 1, 3)] if depth else [0]
+    ordered = np.ascontiguousarray(corners[order])
     blocks = []
     for above, below in itertools.pairwise(levels):
-        children = _node_balls(corners[order], _starts(len(corners), below))
-        blocks.append(_blocks(children, np.arange(2**above + 1) * 2 ** (below - above)))
+        children = np.zeros((2**below, 4))
+        node_balls(ordered, below, children)
+        blocks.append(packed(children, np.arange(2**above + 1) * 2 ** (below - above)))
     starts = _starts(len(corners), depth)
     first_leaf = sum(len(level) for level in blocks)
-    blocks.append(_blocks(balls[order], starts))
+    blocks.append(packed(balls[order], starts))
     return BallTree(order, np.vstack(blocks), 2 ** levels[1] if depth else FAN, first_leaf, starts)
 
 
-def _halved(points: Floats, depth: int) -> NDArray[np.int64]:
+def halved(points: Floats, depth: int) -> NDArray[np.int64]:
     """Order of points (p, 3) in which halves of halves, and so on, are neighbours in space."""
     order = np.arange(len(points))
-    for level in range(depth + 1):
-        starts = _starts(len(points), level)
-        ordered = points[order]
-        low = np.minimum.reduceat(ordered, starts[:-1])
-        longest = (np.maximum.reduceat(ordered, starts[:-1]) - low).argmax(axis=1)
-        node = np.repeat(np.arange(len(longest)), np.diff(starts))
-        along = ordered[np.arange(len(points)), longest[node]]
-        order = order[np.lexsort((along, node))]
+    axes = np.full((2 ** (depth + 1), 3), -1, dtype=np.int64)
+    halve(np.array(points, order="C"), order, depth, axes)
     return order
 
 
-def _blocks(balls: Floats, starts: NDArray[np.int64]) -> NDArray[np.float32]:
+def packed(balls: Floats, starts: NDArray[np.int64]) -> NDArray[np.float32]:
     """Blocks (n, 4 * FAN) of the balls ``starts[k]:starts[k + 1]`` in single precision."""
     node = np.repeat(np.arange(len(starts) - 1), np.diff(starts))
     lane = np.arange(len(balls)) - starts[node]
     blocks = np.zeros((len(starts) - 1, 4, FAN), dtype=np.float32)
     blocks[:, 3] = NOTHING
-    blocks[node, :3, lane] = balls[:, :3]
-    moved = np.linalg.norm(blocks[node, :3, lane] - balls[:, :3], axis=1)
-    blocks[node, 3, lane] = np.nextafter((balls[:, 3] + moved).astype(np.float32), np.float32(1e9))
+    moved = np.zeros(len(balls))
+    for axis in range(3):  # one column after the other: rows of three are slow
+        middle = balls[:, axis].astype(np.float32)
+        blocks[node, axis, lane] = middle
+        moved += (middle - balls[:, axis]) ** 2
+    radius = (balls[:, 3] + np.sqrt(moved)).astype(np.float32)
+    blocks[node, 3, lane] = np.nextafter(radius, np.float32(1e9))
     return blocks.reshape(-1, 4 * FAN)
 
 
@@ -119,30 +121,31 @@ def _starts(count: int, level: int) -> NDArray[np.int64]:
     return (count * np.arange(2**level + 1, dtype=np.int64)) // 2**level
 
 
-def _node_balls(pieces: Floats, starts: NDArray[np.int64]) -> Floats:
-    """Balls (n, 4) around the boxes' middles of consecutive pieces."""
-    low = np.minimum.reduceat(pieces.min(axis=1), starts[:-1])
-    high = np.maximum.reduceat(pieces.max(axis=1), starts[:-1])
-    middle = 0.5 * (low + high)
-    way = pieces - np.repeat(middle, np.diff(starts), axis=0)[:, None]
-    radius = np.maximum.reduceat(np.linalg.norm(way, axis=2).max(axis=1), starts[:-1])
-    return np.column_stack([middle, radius])
-
-
 def smallest_balls(triangles: Floats) -> Floats:
     """Smallest balls (n, 4) around triangles (n, 3, 3): middle and radius [m]."""
-    rows = np.arange(len(triangles))
-    sides = np.linalg.norm(np.roll(triangles, -1, axis=1) - triangles, axis=2)
-    first = sides.argmax(axis=1)
+    rows, first = np.arange(len(triangles)), measured(triangles)[1]
     a, b, c = (triangles[rows, (first + shift) % 3] for shift in range(3))
     # The longest side's middle serves obtuse triangles; the others need the circumcentre.
     u, v = b - a, c - a
-    uu, vv, uv = ((x * y).sum(axis=1) for x, y in ((u, u), (v, v), (u, v)))
+    uu, vv, uv = _dot(u, u), _dot(v, v), _dot(u, v)
     cross = uu * vv - uv**2
-    acute = (vv + ((c - b) ** 2).sum(axis=1) > uu) & (cross > 1e-12 * uu**2)
+    acute = (vv + _dot(c - b, c - b) > uu) & (cross > 1e-12 * uu**2)
     safe = np.where(acute, 2.0 * cross, 1.0)
     s = np.where(acute, vv * (uu - uv) / safe, 0.5)
     t = np.where(acute, uu * (vv - uv) / safe, 0.0)
     middle = a + s[:, None] * u + t[:, None] * v
-    radius = np.linalg.norm(triangles - middle[:, None], axis=2).max(axis=1)
-    return np.column_stack([middle, radius])
+    reach = [_dot(corner - middle, corner - middle) for corner in (a, b, c)]
+    return np.column_stack([middle, np.sqrt(np.maximum(np.maximum(*reach[:2]), reach[2]))])
+
+
+def _dot(one: Floats, other: Floats) -> Floats:
+    """Products (n,) of vectors (n, 3), column by column, since numpy sums rows of three slowly."""
+    x, y, z = (one[:, a] * other[:, a] for a in range(3))
+    return np.asarray(x + y + z)
+
+
+def measured(triangles: Floats) -> tuple[Floats, NDArray[np.int64]]:
+    """Length (n,) [m] of the longest edge of triangles (n, 3, 3), and which edge it is (n,)."""
+    length, edge = np.empty(len(triangles)), np.empty(len(triangles), dtype=np.int64)
+    longest_edges(triangles, length, edge)
+    return length, edge

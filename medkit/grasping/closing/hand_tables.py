@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import itertools
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from medkit.geometry import Floats, unit
+from medkit.grasping.closing.closing_steps import closing_steps, starts
 from medkit.grasping.closing.hull_tables import HullTable, hull_table, least_width
 from medkit.grasping.closing.self_kernels import least_gap
 from medkit.grasping.closing.sight_kernels import sight
 from medkit.grasping.closing.surface_table import SurfaceTable, surface_table
+from medkit.robots.digest import hand_digest
 from medkit.robots.hand import Hand, LinkBody
 
 Ints = NDArray[np.int64]
@@ -91,13 +93,55 @@ def closing_hand(
     >>> len(closing_hand(load_hand("armar3")).joint)
     10
     """
+    tables = hand_tables(hand)
+    steps: dict[str, Any] = closing_steps(hand, finger_order)
+    shape = np.array(hand.preshapes[preshape], dtype=float)
+    built = tables.arrays._replace(preshape=shape, **steps)
+    start, partner = _partners(hand, built, tables.near)
+    return built._replace(partner_start=start, partner=partner)
+
+
+class HandTables(NamedTuple):
+    """What closing knows of a hand in any preshape and order of fingers.
+
+    ``arrays`` has neither partners nor steps; the bodies of the pairs ``near`` (p, 2) come near
+    each other in some configuration.
+    """
+
+    arrays: ClosingHand
+    near: Ints
+
+
+#: Tables of this many hands are kept, those asked for last; those of one take about a megabyte.
+KEPT = 4
+_KEPT: dict[str, HandTables] = {}
+
+
+def hand_tables(hand: Hand) -> HandTables:
+    """Tables of a hand, the caller's own, built once per process for hands of the same numbers.
+
+    Looked up by `hand_digest`, since a hand may be changed under its own name.
+    """
+    name = hand_digest(hand)
+    tables = _KEPT.pop(name, None) or _built_tables(hand)
+    _KEPT[name] = tables  # now the last
+    for old in list(_KEPT)[:-KEPT]:
+        _KEPT.pop(old, None)
+    own: HandTables = _copied(tables)  # kernels ask for writable arrays, so nothing guards these
+    return own
+
+
+def _copied(table: Any) -> Any:
+    """A named tuple, of which no array is shared."""
+    return table._make(one.copy() if isinstance(one, np.ndarray) else _copied(one) for one in table)
+
+
+def _built_tables(hand: Hand) -> HandTables:
     hulls = hull_table([body.vertices for body in hand.bodies])
     width = np.array([_width(hulls, row, body) for row, body in enumerate(hand.bodies)])
-    steps = _closing_steps(hand, finger_order)
-    # copies: kernels are compiled for writable arrays
-    tree = {name: getattr(hand.tree, name).copy() for name in TREE}
-    built = ClosingHand(
-        **tree,
+    none, nowhere = np.zeros(0, dtype=np.int64), np.zeros(1, dtype=np.int64)
+    bare = ClosingHand(
+        **{name: getattr(hand.tree, name) for name in TREE},
         body_link=np.array([body.link for body in hand.bodies], dtype=np.int64),
         hulls=hulls,
         ball_center=np.array([_box_center(body) for body in hand.bodies]),
@@ -105,18 +149,20 @@ def closing_hand(
         width=width,
         window=np.minimum(WINDOW, WIDTH_SHARE * width),
         surface=surface_table(hand.bodies),
-        partner_start=np.zeros(len(hand.bodies) + 1, dtype=np.int64),
-        partner=np.zeros(0, dtype=np.int64),
+        partner_start=nowhere,
+        partner=none,
         limits=np.array(hand.limits, dtype=float),
-        preshape=np.array(hand.preshapes[preshape], dtype=float),
-        **steps,
+        preshape=np.zeros(len(hand.limits)),
+        joint=none,
+        closing=np.zeros(0),
+        moved_link_start=nowhere,
+        moved_link=none,
+        moved_body_start=nowhere,
+        moved_body=none,
+        lever=np.zeros(0),
     )
-    start, partner = _partners(hand, built)
-    return built._replace(partner_start=start, partner=partner)
-
-
-def _starts(counts: list[int]) -> Ints:
-    return np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+    arrays = _copied(bare)  # the tree's may be read-only, for which kernels are not compiled
+    return HandTables(arrays, _near_pairs(hand, arrays))
 
 
 def _box_center(body: LinkBody) -> Floats:
@@ -132,64 +178,32 @@ def _width(hulls: HullTable, row: int, body: LinkBody) -> float:
     return least_width(planes, body.vertices)
 
 
-def _closing_steps(hand: Hand, finger_order: tuple[str, ...] | None) -> dict[str, NDArray]:
-    """Joints in closing order with what they move and how far."""
-    fingers = [hand.finger(name) for name in finger_order] if finger_order else hand.fingers
-    rows = [
-        (int(joint), float(sign), links, bodies)
-        for finger in fingers
-        for joint, sign, links, bodies in zip(
-            finger.joints, finger.closing, finger.moved_links, finger.moved_bodies, strict=True
-        )
-    ]
-    levers = [[_lever(hand, joint, int(b)) for b in bodies] for joint, _, _, bodies in rows]
-    return {
-        "joint": np.array([row[0] for row in rows], dtype=np.int64),
-        "closing": np.array([row[1] for row in rows]),
-        "moved_link_start": _starts([len(row[2]) for row in rows]),
-        "moved_link": np.concatenate([row[2] for row in rows]).astype(np.int64),
-        "moved_body_start": _starts([len(row[3]) for row in rows]),
-        "moved_body": np.concatenate([row[3] for row in rows]).astype(np.int64),
-        "lever": np.concatenate(levers).astype(float),
-    }
-
-
-def _lever(hand: Hand, joint: int, body: int) -> float:
-    """Most that a point of a body travels per unit of a coordinate, over all configurations.
-
-    Along the chain the distance from a joint's axis to the body is at most the sum of the
-    lengths between the links.
-    """
-    tree, part = hand.tree, hand.bodies[body]
-    reach = float(np.linalg.norm(part.vertices, axis=1).max())
-    lever = 0.0
-    for link in tree.ancestors(part.link):
-        if tree.coordinate[link] == joint:
-            rate = abs(float(tree.multiplier[link]))
-            lever += rate if tree.kind[link] == 2 else rate * reach
-        reach += float(np.linalg.norm(tree.placement[link][:3, 3]))
-        if tree.kind[link] == 2 and tree.coordinate[link] >= 0:
-            low, high = hand.limits[tree.coordinate[link]]
-            reach += abs(float(tree.multiplier[link])) * max(abs(low), abs(high))
-    return max(lever, 1e-6)
-
-
-def _partners(hand: Hand, built: ClosingHand) -> tuple[Ints, Ints]:
-    """Bodies that each body may run into, from configurations spread over the joint limits."""
+def _near_pairs(hand: Hand, built: ClosingHand) -> Ints:
+    """Bodies that may run into each other, from configurations spread over the joint limits."""
     spread = halton(PROBES, len(hand.limits))
     configurations = hand.limits[:, 0] + spread * (hand.limits[:, 1] - hand.limits[:, 0])
     poses = hand.tree.link_poses(configurations)
+    scratch = sight()
+    near = [
+        (int(a), int(b))
+        for a, b in hand.self_collision_pairs
+        if least_gap(built, a, b, poses, NEVER_NEAR, scratch) < NEVER_NEAR
+    ]
+    return np.array(near, dtype=np.int64).reshape(-1, 2)
+
+
+def _partners(hand: Hand, built: ClosingHand, near: Ints) -> tuple[Ints, Ints]:
+    """Bodies that each body may run into, of pairs that come near each other."""
     start = hand.tree.link_poses(built.preshape)[None]
     scratch = sight()
     pairs = []
-    for a, b in hand.self_collision_pairs:
+    for a, b in near.tolist():
         if least_gap(built, a, b, start, NEVER_NEAR, scratch) < -1e-4:
             continue  # bodies that overlap in the preshape are drawn that way
-        if least_gap(built, a, b, poses, NEVER_NEAR, scratch) < NEVER_NEAR:
-            pairs += [(int(a), int(b)), (int(b), int(a))]
+        pairs += [(a, b), (b, a)]
     table = np.array(sorted(pairs), dtype=np.int64).reshape(-1, 2)
     counts = np.bincount(table[:, 0], minlength=len(hand.bodies))
-    return _starts(counts.tolist()), np.ascontiguousarray(table[:, 1])
+    return starts(counts.tolist()), np.ascontiguousarray(table[:, 1])
 
 
 def halton(count: int, dimension: int) -> Floats:

@@ -13,6 +13,8 @@ from medkit.geometry import Floats
 
 #: Size of the cells in which a body's best plane is looked up, and their reach beyond it [m].
 CELL, MARGIN = 0.003, 0.009
+#: Cells whose heights are told at once: as many as the processor's own memory holds.
+STRETCH = 512
 
 
 class HullTable(NamedTuple):
@@ -99,8 +101,10 @@ def _hints(planes: Floats, origin: Floats, cells: NDArray[np.int64]) -> NDArray[
     """The highest plane below the middle of each cell, as -1 - plane if the cell is inside."""
     steps = [origin[a] + (np.arange(cells[a]) + 0.5) * CELL for a in range(3)]
     middles = np.stack(np.meshgrid(*steps, indexing="ij"), axis=-1).reshape(-1, 3)
-    heights = middles @ planes[:, :3].T - planes[:, 3]
-    best = heights.argmax(axis=1)
-    top = heights[np.arange(len(best)), best]
+    best, top = np.empty(len(middles), dtype=np.int64), np.empty(len(middles))
+    for first in range(0, len(middles), STRETCH):
+        heights = middles[first : first + STRETCH] @ planes[:, :3].T - planes[:, 3]
+        best[first : first + STRETCH] = heights.argmax(axis=1)
+        top[first : first + STRETCH] = heights.max(axis=1)
     inside = top < -0.5 * np.sqrt(3.0) * CELL * (1.0 + 1e-9)
     return np.where(inside, -1 - best, best)

@@ -24,3 +24,7 @@ entry: Any = _compiled(**_OPTIONS)
 inner: Any = _compiled(**_OPTIONS, **_BARE)
 #: For leaves called by the thousand: handing over the tuples costs more than what a leaf does.
 leaf: Any = _compiled(**_OPTIONS, **_BARE, forceinline=True)
+#: For tables of hand and object, rounded as numpy rounds, so that plain numpy is their exact twin.
+_EXACT = {"cache": True, "error_model": "numpy", "_nrt": False}
+exact: Any = _compiled(**_EXACT, no_cfunc_wrapper=True)
+exact_inner: Any = _compiled(**_EXACT, **_BARE)

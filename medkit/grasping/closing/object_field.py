@@ -15,7 +15,7 @@ from scipy import ndimage
 
 from medkit.errors import InputError
 from medkit.geometry import Floats
-from medkit.grasping.closing.face_tree import FaceTree, face_tree
+from medkit.grasping.closing.face_tree import FaceTree, face_tree, measured
 from medkit.grasping.closing.object_kernels import splat_distances
 
 #: Finest and coarsest spacing of the lattice [m], and the number of nodes aimed at.
@@ -92,7 +92,7 @@ def object_field(triangles: Floats, *, spacing: float | None = None) -> ObjectFi
         )
     if not np.isfinite(corners).all():
         raise InputError("Expected finite corners of triangles, but one is not; repair the mesh.")
-    low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    low, high = (np.array([side(corners[..., a]) for a in range(3)]) for side in (np.min, np.max))
     step = lattice_spacing(high - low) if spacing is None else float(spacing)
     margin = (BAND + 1.0) * step
     shape = tuple(int(n) for n in np.ceil((high - low + 2.0 * margin) / step).astype(int) + 1)
@@ -126,20 +126,22 @@ def split_long_edges(triangles: Floats, longest: float) -> tuple[Floats, NDArray
     source : ndarray of int32, shape (p,)
         The triangle that each piece is from.
     """
-    pieces, source = triangles, np.arange(len(triangles), dtype=np.int32)
-    while True:
-        lengths = np.linalg.norm(np.roll(pieces, -1, axis=1) - pieces, axis=2)
-        long = lengths.max(axis=1) > longest
-        if not long.any():
-            order = np.argsort(source, kind="stable")
-            return np.ascontiguousarray(pieces[order]), source[order]
-        edge = lengths[long].argmax(axis=1)
-        rows = np.arange(len(edge))
-        a, b, c = (pieces[long][rows, (edge + shift) % 3] for shift in range(3))
+    halves, source = triangles, np.arange(len(triangles), dtype=np.int32)
+    pieces, sources = [], []
+    while len(halves):
+        length, edge = measured(halves)
+        long = length > longest
+        pieces.append(halves[~long])
+        sources.append(source[~long])
+        a, b, c = (halves[long, (edge[long] + shift) % 3] for shift in range(3))
         middle = 0.5 * (a + b)
         halves = np.concatenate([np.stack([a, middle, c], 1), np.stack([middle, b, c], 1)])
-        pieces = np.concatenate([pieces[~long], halves])
-        source = np.concatenate([source[~long], source[long], source[long]])
+        source = np.concatenate([source[long], source[long]])
+    if len(pieces) == 1:
+        return triangles, sources[0]
+    source = np.concatenate(sources)
+    order = np.argsort(source, kind="stable")
+    return np.ascontiguousarray(np.concatenate(pieces)[order]), source[order]
 
 
 def _distances(
@@ -164,8 +166,7 @@ def _face_normals(corners: Floats) -> Floats:
     """Outward unit normals; zero for slivers, whose direction is rounding noise."""
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     length = np.linalg.norm(cross, axis=1)
-    longest = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2).max(axis=1)
-    good = length > 1e-6 * longest**2
+    good = length > 1e-6 * measured(corners)[0] ** 2
     normals = np.zeros_like(cross)
     normals[good] = cross[good] / length[good, None]
     return normals

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from medkit.grasping.closing.kernel_options import exact, exact_inner
 
 #: Sine squared of a corner's angle below which a triangle has no area worth the name.
 SLIVER = 1e-20
@@ -24,7 +25,7 @@ def point_side_distance_squared(
     return dx * dx + dy * dy + dz * dz
 
 
-@njit(cache=True)
+@exact_inner
 def point_triangle_distance_squared(px: float, py: float, pz: float, triangle: np.ndarray) -> float:
     """Squared distance [m^2] of a point from a triangle (3, 3), by the triangle's seven regions."""
     ax, ay, az = triangle[0, 0], triangle[0, 1], triangle[0, 2]
@@ -68,7 +69,7 @@ def point_triangle_distance_squared(px: float, py: float, pz: float, triangle: n
     return dx * dx + dy * dy + dz * dz
 
 
-@njit(cache=True)
+@exact_inner
 def index_range(
     low: float, high: float, origin: float, spacing: float, count: int
 ) -> tuple[int, int]:
@@ -78,7 +79,7 @@ def index_range(
     return max(first, 0), min(last, count)
 
 
-@njit(cache=True)
+@exact
 def splat_distances(
     triangles: np.ndarray, origin: np.ndarray, spacing: float, band: float, squared: np.ndarray
 ) -> None:
