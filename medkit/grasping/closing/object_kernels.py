@@ -10,7 +10,7 @@ from medkit.grasping.closing.kernel_options import exact, exact_inner
 SLIVER = 1e-20
 
 
-@njit(cache=True)
+@exact_inner
 def point_side_distance_squared(
     px: float, py: float, pz: float, a: np.ndarray, b: np.ndarray
 ) -> float:
@@ -25,7 +25,7 @@ def point_side_distance_squared(
     return dx * dx + dy * dy + dz * dz
 
 
-@exact_inner
+@exact
 def point_triangle_distance_squared(px: float, py: float, pz: float, triangle: np.ndarray) -> float:
     """Squared distance [m^2] of a point from a triangle (3, 3), by the triangle's seven regions."""
     ax, ay, az = triangle[0, 0], triangle[0, 1], triangle[0, 2]
