@@ -5,9 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from medkit.contacts import Contacts, cone_profile, wrench_cones
+from medkit.contacts import Contacts
 from medkit.errors import InputError
 from medkit.geometry import perpendicular, random_rotation
+from medkit.wrench_cones import cone_profile, wrench_cones
 
 FEW = settings(max_examples=25, derandomize=True, deadline=None)
 SEEDS = st.integers(0, 2**32 - 1)

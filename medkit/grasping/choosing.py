@@ -46,9 +46,7 @@ def choose_candidates(
     >>> choose_candidates(six, 4, np.random.default_rng(0)).sphere.tolist()
     [2, 2, 5, 5]
     """
-    if most is not None and most < 1:
-        raise InputError(f"Expected at least one candidate, but got {most}; give a larger number.")
-    if most is None or len(candidates) <= most:
+    if _few_enough(candidates, most):
         return candidates
     number = sphere_numbers(candidates)
     place = np.argsort(rng.permutation(number.max() + 1))
@@ -124,10 +122,15 @@ def spread_candidates(
     >>> len(spread_candidates(six, 4, np.random.default_rng(0)))
     4
     """
-    if most is not None and most < 1:
-        raise InputError(f"Expected at least one candidate, but got {most}; give a larger number.")
-    if most is None or len(candidates) <= most:
+    if _few_enough(candidates, most):
         return candidates
     order = np.argsort(sphere_numbers(candidates), kind="stable")
     drawn = order[rng.permutation(len(candidates))[:most]]
     return candidates.select(np.sort(drawn))
+
+
+def _few_enough(candidates: CandidateGrasps, most: int | None) -> bool:
+    """Whether nothing has to be left out; `InputError` where nothing could be kept."""
+    if most is not None and most < 1:
+        raise InputError(f"Expected at least one candidate, but got {most}; give a larger number.")
+    return most is None or len(candidates) <= most

@@ -42,7 +42,8 @@ def _code_digest() -> bytes:
     rooms = ("grasping", "medial", "quality", "robots", "meshes")
     found = [source for room in rooms for source in (package / room).rglob("*.py")]
     digest = hashlib.sha256()
-    for source in sorted([*found, package / "contacts.py", package / "geometry.py"]):
+    found += [package / f"{name}.py" for name in ("contacts", "wrench_cones", "geometry")]
+    for source in sorted(found):
         digest.update(source.read_bytes())
     return digest.digest()
 

@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import linprog
 
-from medkit.contacts import PATCH_RADIUS, ContactModel, Contacts, checked_origin
+from medkit.contacts import Contacts
 from medkit.geometry import Floats, positive
 from medkit.quality.expansion import expand
 from medkit.quality.space import LINEAR_GAP, SpaceOptions, wrench_rows, wrench_space
+from medkit.wrench_cones import PATCH_RADIUS, ContactModel, checked_origin
 
 
 def is_force_closure(

@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from medkit.contacts import PATCH_RADIUS, ContactModel, Contacts
+from medkit.contacts import Contacts
 from medkit.errors import InputError
 from medkit.geometry import Floats
 from medkit.quality.expansion import expand, expand_many
 from medkit.quality.space import Norm, SpaceOptions, wrench_space
+from medkit.wrench_cones import PATCH_RADIUS, ContactModel
 
 
 @dataclass(frozen=True)

@@ -8,9 +8,10 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from medkit.contacts import PATCH_RADIUS, ContactModel, Contacts, cone_profile, wrench_cones
+from medkit.contacts import Contacts
 from medkit.errors import InputError
 from medkit.geometry import Floats, positive
+from medkit.wrench_cones import PATCH_RADIUS, ContactModel, cone_profile, wrench_cones
 
 Norm = Literal["l1", "linf"]
 

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from medkit.contacts import Contacts, cone_profile, wrench_cones
+from medkit.contacts import Contacts
 from medkit.errors import InputError
 from medkit.quality import epsilon, expansion_steps
 from medkit.quality.reach import support
@@ -21,6 +21,7 @@ from medkit.viz.quality import (
     plot_wrench_polytope,
     plot_wrench_projection,
 )
+from medkit.wrench_cones import cone_profile, wrench_cones
 
 FEW = settings(max_examples=20, derandomize=True, deadline=None)
 SEEDS = st.integers(0, 2**32 - 1)
