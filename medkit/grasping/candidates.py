@@ -40,6 +40,9 @@ def candidates_from_axis(
 ) -> CandidateGrasps:
     """Candidate grasps of an object from its medial axis (P13 4.2 to 4.4, algorithms 1 to 3).
 
+    Balls, solids about one dominant sphere (4.4.4) and sheets that every neighbourhood holds whole
+    are treated as special cases.
+
     Parameters
     ----------
     axis : MedialAxis

@@ -28,7 +28,7 @@ TILT, SHIFT = np.radians(30.0), 0.5
 
 
 class SearchingTester:
-    """Tests each candidate in a few ways and keeps the best.
+    """Tests each candidate in a few ways and keeps the best (no published source).
 
     Parameters
     ----------
@@ -72,12 +72,27 @@ class SearchingTester:
 
         All ways at the candidate itself are tried; those beside it only until one holds, where
         none at the candidate does.
+
+        Parameters
+        ----------
+        point, approach, closing_axis : ndarray, shape (3,)
+            The candidate in the object frame, see `CandidateGrasps` [m, 1, 1].
+        radius : float
+            Radius of its sphere [m].
+
+        Returns
+        -------
+        Grasp
+            The best; its approach and closing axis are those of the way that gave it, its grasp
+            point is the candidate's.
+        float
+            Time of all qualities [s].
         """
         _, best, spent = self._search(Try(self.tester, point, approach, closing_axis), radius)
         return replace(best, grasp_point=point), spent
 
     def settled(self, point: Floats, approach: Floats, closing_axis: Floats, radius: float) -> Try:
-        """The way that `test` settles on, to be tested alone."""
+        """The way that `test` settles on, to be tested alone; arguments as for `test`."""
         return self._search(Try(self.tester, point, approach, closing_axis), radius)[0]
 
     def _search(self, begin: Try, radius: float) -> tuple[Try, Grasp, float]:

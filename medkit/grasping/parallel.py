@@ -83,7 +83,7 @@ def run_candidates(
     progress : callable, optional
         Wraps the iterable of results.
     """
-    rows: list[tuple] = list(candidates.rows())
+    rows: list[tuple] = [*candidates.rows()]
     if processes_for(len(rows), jobs) == 1:
         results: Iterable[tuple[Grasp, float]] = (tester.test(*row) for row in rows)
         yield from progress(results, len(rows)) if progress else results
